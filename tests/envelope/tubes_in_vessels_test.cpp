@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/cell_changes.hpp"
 #include "../../envelope/point_query.hpp"
 #include "../../envelope/vertex_refinement.hpp"
 #include "../../envelope/voronoi_cell.hpp"
@@ -307,6 +308,23 @@ TEST_CASE("tubes in vessels: vertices are told to more digits") {
         CHECK((p - cell.vertices[v].point).norm() <= cell.vertices[v].error + 1e-15);
     }
     CHECK(at_wall > 0);
+}
+
+TEST_CASE("tubes in vessels: what goes and comes again, the wall too, leaves the cell of all") {
+    std::mt19937_64 rng(test_seed());
+    const Scene scene =
+        packed_about({{0.125, 0, 0}, {0.125, 0, 1}, 0.125}, HollowCone{{0, 0, -1.5}, {0, 0, 1}, 3, 5}, 8, 1,
+                     {{-1.5, -1.5, -0.5}, {1.5, 1.5, 0.5}}, rng);
+    const Cell cell = voronoi_cell(scene);
+    for (const std::uint32_t i : {0u, 8u, 9u}) {
+        CAPTURE(i);
+        const Cell without = remove(cell, i), again = insert(without, scene.objects[i]);
+        Scene fewer = scene;
+        fewer.objects.erase(fewer.objects.begin() + i);
+        CHECK(without.measures.volume == doctest::Approx(voronoi_cell(fewer).measures.volume).epsilon(1e-9));
+        CHECK(again.measures.volume == doctest::Approx(cell.measures.volume).epsilon(1e-9));
+        CHECK(again.vertices.size() == cell.vertices.size());
+    }
 }
 
 // ---- Whole diagrams -------------------------------------------------------------------------------------
