@@ -1,8 +1,10 @@
 /// The axis of a base tube, cut where it crosses the planes of the box's sides: between them it is on the
-/// same side of each.
+/// same side of each. It ends where it is as far beyond a vessel's wall as the tube is wide: rays from beyond
+/// own nothing.
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "../primitives/bases/canonical.hpp"
@@ -16,8 +18,22 @@ public:
     /// where those are too few all the same, the next one is taken.
     static constexpr std::array<double, 3> least_rooms{0x1p-32, 0x1p-26, 0x1p-20};
 
+    /// Where the axis is less far beyond the walls of all vessels than the base's radius, or so little more
+    /// that doubles may not tell: beyond these heights rays own nothing. Infinite where there is no such
+    /// place.
+    struct Within {
+        std::array<double, 2> ends{-std::numeric_limits<double>::infinity(),
+                                   std::numeric_limits<double>::infinity()};
+        /// The way along the axis is no more than so many times as long as what the distance from a wall
+        /// changes by.
+        std::array<double, 2> slants{};
+    };
+    /// Between two heights; from >= to if there is none.
+    static Within within_vessels(const Scene& scene, const Cylinder& base, const BaseFrame& frame,
+                                 const std::array<double, 2>& range);
+
     /// In the frame of a base along y.
-    AxisParts(const Box& box, const BaseFrame& frame);
+    AxisParts(const Box& box, const BaseFrame& frame, const Within& within);
 
     /// Is a side across the axis, so that rays never reach it?
     static bool is_across(const BoxSide& side) { return side.m.x() == 0 && side.m.z() == 0; }
@@ -33,8 +49,8 @@ public:
     std::array<bool, 6> beyond(const std::array<double, 2>& part) const;
 
 private:
-    // A part of the axis ends where it crosses a side's plane, or where the box does. The way along the axis
-    // is so many times as long as its distance from the plane.
+    // A part of the axis ends where it crosses a side's plane, or where the box or a vessel does. The way
+    // along the axis is so many times as long as its distance from the plane.
     struct End {
         double y, slant;
     };

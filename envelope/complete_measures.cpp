@@ -243,8 +243,9 @@ public:
           box_(scene.box) {}
 
     CompleteMeasures operator()() {
-        move_sides(AxisParts::range(box_, frame_));
-        const AxisParts axis(box_, frame_);
+        const std::array<double, 2> range = AxisParts::range(box_, frame_);
+        move_sides(range);
+        const AxisParts axis(box_, frame_, AxisParts::within_vessels(scene_, base_, frame_, range));
         for (const std::array<double, 2>& part : axis.parts()) add(axis, part);
         sum_.leave_out(left_out_, diagonal_);
         return sum_.result(unit_);

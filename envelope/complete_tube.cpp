@@ -28,7 +28,8 @@ public:
           tolerance_(scene_.tolerance.value_or(1e-7 * diagonal_)),
           frame_(cylinder_frame(scene_, base_)),
           sides_(canonical_box(scene_.box, frame_)),
-          axis_(scene_.box, frame_) {}
+          axis_(scene_.box, frame_,
+                AxisParts::within_vessels(scene_, base_, frame_, AxisParts::range(scene_.box, frame_))) {}
 
     CompleteTube operator()() {
         for (const std::array<double, 2>& part : axis_.parts()) add(part);
@@ -181,7 +182,12 @@ private:
         m.touches_box = true;
         m.body_volume = m.body_volume_error = m.base_area = m.base_area_error = 0;
         try {
-            const RadialBaseProblem problem = cylinder_base_problem(scene_, base_, unit_);
+            Scene alone = scene_;
+            alone.objects.clear();
+            alone.names.clear();
+            alone.numbers.clear();
+            alone.base_object.reset();
+            const RadialBaseProblem problem = cylinder_base_problem(alone, base_, unit_);
             const double length = problem.stretch[1] - problem.stretch[0], radius = base_.radius,
                          error = 0x1p-48 * (length + std::abs(problem.stretch[0]) + diagonal_);
             m.base_area = 2 * std::numbers::pi * radius * length;

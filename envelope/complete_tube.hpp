@@ -10,7 +10,8 @@
 /// infinite on the other one, and the ray along the plane meets it nowhere or all along. There the cell is
 /// cut across the axis, in parts that keep a 2^-32th of the box's diagonal clear of these planes (AxisParts).
 /// Each part has ends like the stretch of any cell around a tube (Cell::parts). What is left out counts in
-/// the bounds of the measures, not in those of single faces.
+/// the bounds of the measures, not in those of single faces. So it is where the axis is as far beyond a
+/// vessel's wall as the tube is wide: from there on rays own nothing.
 #pragma once
 
 #include <optional>

@@ -131,6 +131,7 @@ private:
             lowest = std::min(lowest, y.lower());
             highest = std::max(highest, y.upper());
         }
+        cut_by_vessels(lowest, highest);
         Interval wide(0.0);
         Interval from(lowest);
         for (std::size_t k = 0; k <= result_.parts.size(); ++k) {
@@ -165,6 +166,31 @@ private:
             fmt::format("slabs between them are left out: together {:.3g} wide, at most {:.3g} of "
                         "the box, of which nothing is told",
                         together, share));
+    }
+
+    /// Beyond where the axis is as far from a vessel's wall as the base is wide, on the other side, nothing
+    /// is nearest to the base. Its distance from the wall is concave: once it is less it is ever less.
+    void cut_by_vessels(double& lowest, double& highest) const {
+        const Scene& scene = cell_.scene;
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+            if (!is_vessel(scene.objects[i]) || !scene.competes(i)) continue;
+            const Surface<Interval> vessel = space_.object(i);
+            const auto is_out = [&](double y) {
+                const Vector<Interval> p = space_.base().point + Interval(y) * space_.base().direction;
+                return (vessel.distance(p) + space_.base().radius).upper() < 0;
+            };
+            const auto cut = [&](const Vec3& end, double& last) {
+                double in = along(end).mid(), out = last;
+                const Vector<Interval> p = to_vector<Interval>(end);
+                if (!((vessel.distance(p) + space_.base().radius).lower() > 0) || !is_out(out)) return;
+                for (double middle = 0.5 * (in + out); middle != in && middle != out;
+                     middle = 0.5 * (in + out))
+                    (is_out(middle) ? out : in) = middle;
+                last = out;
+            };
+            cut(cell_.parts.front().ends[0], lowest);
+            cut(cell_.parts.back().ends[1], highest);
+        }
     }
 
     /// A bound on the area of the box's sections across the axis: of what has the box's diagonal for its

@@ -395,7 +395,11 @@ private:
             for (const VesselTip& tip : vessel_tips(problem, form)) {
                 if (tip.y < stretch_[0] || tip.y > stretch_[1]) continue;
                 const auto hides = [&](FormId f) {
-                    return f != form && AxialTerms(problem, f, tip.y).nearness(tip.u, 0) * tip.reach > margin;
+                    if (f == form) return false;
+                    const double there = AxialTerms(problem, f, tip.y).nearness(tip.u, 0) * tip.reach;
+                    // Below a floor nothing is in the box.
+                    const bool is_floor = std::ranges::find(problem.floor, f) != problem.floor.end();
+                    return is_floor ? there * margin < 1 : there > margin;
                 };
                 bool is_hidden = false;
                 for (const FormId f : problem.objects.ids()) is_hidden = is_hidden || hides(f);

@@ -10,6 +10,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/cell_changes.hpp"
+#include "../../envelope/complete_measures.hpp"
 #include "../../envelope/point_query.hpp"
 #include "../../envelope/vertex_refinement.hpp"
 #include "../../envelope/voronoi_cell.hpp"
@@ -402,27 +403,52 @@ TEST_CASE(
           "objects[0].hollow_cone" + touches);
 }
 
-TEST_CASE("tubes in vessels: in a diagram what is beyond the wall is empty, what comes out is refused") {
+TEST_CASE("tubes in vessels: in a diagram what is beyond the wall is empty, and all else has its share") {
     using State = DiagramCell::State;
-    const Box box{{-3, -3, -1}, {3, 3, 1}};
-    const auto states = [&](const Object& vessel, const Cylinder& tube) {
-        DiagramScene scene;
+    std::mt19937_64 rng(test_seed());
+    DiagramScene scene;
+    scene.box = {{-1.5, -1.5, -1}, {1.5, 1.5, 1}};
+    const auto with = [&](const Object& vessel, const Cylinder& tube) {
         scene.objects = {Sphere{{0.25, 0, 0}, 0.25}, tube, vessel, Cylinder{{-0.25, 0, 0}, {0, 0, 1}, 0.125}};
-        scene.box = box;
+    };
+    const auto expect_beyond = [&](const Object& vessel, const Cylinder& tube) {
+        with(vessel, tube);
         const VoronoiDiagram diagram = voronoi_diagram(scene);
         CHECK(diagram.cells[0].state == State::Computed);
-        CHECK(diagram.cells[3].state == State::Computed);
+        CHECK(diagram.cells[1].state == State::Empty);
+        CHECK(diagram.cells[1].reason == "lies beyond the wall of object 2");
         CHECK(diagram.cells[2].state == State::Wall);
-        return std::pair(diagram.cells[1].state, diagram.cells[1].reason);
+        CHECK(diagram.cells[3].state == State::Computed);
     };
-    const std::pair beyond{State::Empty, std::string("lies beyond the wall of object 2")};
     const HollowCylinder tube{{0, 0, 0}, {0, 0, 1}, 1};
-    CHECK(states(tube, {{1.125, 0, 0}, {0, 0, 2}, 0.125}) == beyond);
-    CHECK(states(tube, {{2, 1, 0}, {0, 0, -1}, 0}) == beyond);
-    CHECK(states(HollowSphere{{0, 0, 0}, 1.25}, {{1.5, 0, 0}, {0, 1, 0}, 0.25}) == beyond);
-    CHECK(states(HollowCone{{0, 0, -2}, {0, 0, 1}, 3, 5}, {{0, 0, -2.5}, {1, 0, 0}, 0.25}) == beyond);
-    CHECK(states(tube, {{1.125, 0, 0}, {0.125, 0, 1}, 0.125}).first == State::Refused);
-    CHECK(states(tube, {{0, 0.75, 0}, {1, 0, 0}, 0.125}).first == State::Refused);
+    const HollowSphere ball{{0, 0, 0}, 1.25};
+    expect_beyond(tube, {{1.125, 0, 0}, {0, 0, 2}, 0.125});
+    expect_beyond(tube, {{1.25, 1, 0}, {0, 0, -1}, 0});
+    expect_beyond(ball, {{1.5, 0, 0}, {0, 1, 0}, 0.25});
+    expect_beyond(HollowCone{{0, 0, -2}, {0, 0, 1}, 3, 5}, {{0, 0, -2.5}, {1, 0, 0}, 0.25});
+    // They come out through the wall, in the box or beyond it.
+    for (const auto& [vessel, across] :
+         {std::pair<Object, Cylinder>{tube, {{1.125, 0, 0}, {0.125, 0, 1}, 0.125}},
+          {tube, {{0, 0.75, 0}, {1, 0, 0.25}, 0.125}},
+          {tube, {{0, -0.625, 0}, {1, 0.125, 0}, 0.0625}},
+          {ball, {{0, 0.75, 0}, {1, 0, 0.25}, 0.125}},
+          {ball, {{0, -0.625, 0}, {1, 0, 0}, 0.0625}}}) {
+        with(vessel, across);
+        check_share_of_bodies(scene, rng);
+    }
+}
+
+// t = (P^2 - y^2) / (2 P) as above, between where that is 0.
+TEST_CASE("tubes in vessels: a tube that comes out of a sphere has all of its cell") {
+    const double R = 2, R0 = 0.25, P = R + R0;
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 1, 1), Vec3(0.25, -0.5, 1)}) {
+        const Scene scene =
+            scene_of({{0, 0, 0}, axis, R0}, {HollowSphere{{0, 0, 0}, R}}, {{-3, -3, -3}, {3, 3, 3}});
+        const CompleteMeasures m = complete_measures(scene);
+        CHECK(m.volume == doctest::Approx(4 * pi * P * P * P / 15).epsilon(1e-12));
+        CHECK(m.volume_error < 1e-5);
+        CHECK(m.volume_error > 0);
+    }
 }
 
 TEST_CASE("tubes in vessels: tips of the bisector are refused where they show") {

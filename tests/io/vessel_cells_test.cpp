@@ -236,6 +236,41 @@ TEST_CASE("vessel cells: around a tube that leans towards the wall of a wide ves
     }
 }
 
+// Their parts end next to where the tubes come out: what is beyond is nobody's.
+TEST_CASE("vessel cells: complete cells of tubes that come out of their vessel are certified") {
+    const HollowSphere around{{0, 0.125, 0}, 1.5};
+    for (const double top : {2.5, 1.0}) {
+        CAPTURE(top);
+        Scene scene = about_tube({0.25, 0.5, 1}, around);
+        scene.base = Cylinder{{0.5, 0, 0}, {0.25, 0.125, 1}, 0.125};
+        scene.objects.erase(scene.objects.begin() + 2);
+        scene.box = {{-2, -2, -2.5}, {2, 2, top}};
+        CHECK_THROWS_AS(voronoi_cell(scene), InputError);
+        CellOptions options;
+        options.complete = true;
+        const Cell cell = voronoi_cell(scene, options);
+        REQUIRE(cell.is_complete);
+        REQUIRE_FALSE(cell.parts.empty());
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.count(Verdict::refuted) == 0, listing(good));
+        CHECK_MESSAGE(good.count(Verdict::open) <= 3, listing(good));
+        const auto verdict_of_parts = [](const Cell& c) {
+            for (const Element& e : certify(c, {50, 1, 4}).elements)
+                if (e.where == "parts") return e.verdict;
+            return Verdict::open;
+        };
+        CHECK(verdict_of_parts(cell) == Verdict::proved);
+        Cell bad = cell;
+        // A part that ends a hundredth before it should.
+        auto& ends = bad.parts.back().ends;
+        ends[1] += 0.01 * (ends[0] - ends[1]);
+        CHECK(verdict_of_parts(bad) != Verdict::proved);
+        bad = cell;
+        bad.measures.volume *= 1 + 1e-3;
+        CHECK(is_refuted(certify(bad, {50, 1, 8}), "measures.volume"));
+    }
+}
+
 TEST_CASE("vessel cells: the farthest place around a tube may be on no edge") {
     // Beyond the middle of a sphere, and of a tube that it crosses.
     for (const Object& vessel :
