@@ -141,6 +141,20 @@ private:
                y >= frame_.norm * stretch_[0] && y <= frame_.norm * stretch_[1];
     }
 
+    // Likewise of a tube across the base, where the axes are nearest to each other: two of one radius may
+    // cross there.
+    bool touched_before_turn(const Cylinder& cylinder) const {
+        if (frame_.turn == 0) return false;
+        const ExactVector d(scaled_axis(base_.axis)), e(scaled_axis(cylinder.axis)),
+            n = cross(d, e), w = ExactVector(cylinder.point) - ExactVector(base_.point);
+        const Exact square = dot(n, n), apart = dot(w, n), delta = Exact(cylinder.radius) - base_.radius;
+        if (square.sign() == Sign::Zero || (apart * apart - delta * delta * square).sign() == Sign::Positive)
+            return false;
+        const Exact y = square * frame_.turned(frame_.from_origin(base_.point)).y +
+                        dot(cross(w, e), n) * frame_.turned(d).y;
+        return y >= square * frame_.norm * stretch_[0] && y <= square * frame_.norm * stretch_[1];
+    }
+
     // Clear of the solid cylinder over the stretch: of the circles at both ends, on one side.
     void add(std::uint32_t i, const Plane& plane) {
         HalfSpace h(plane.point, plane.normal);
@@ -167,7 +181,7 @@ private:
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm f = cylinder_form(cylinder);
-        if (!is_positive(forms_.form(f).c))
+        if (!is_positive(forms_.form(f).c) || touched_before_turn(cylinder))
             objects_.fail(
                 Kind::TouchesBase, i,
                 cylinder.radius >= base_.radius
