@@ -25,7 +25,9 @@ CylinderHeight::Jet CylinderHeight::operator()(const Vector2d& p) const {
     const double dz = d_.z(), k = rho_ + c_.z(), along = m.dot(d) - c_.z() * dz;
     const Vector2d v = dz * m + k * d;
     const double s = v.norm(), beta = k + along * dz;
-    const double C = m.squaredNorm() - along * along + (c_.z() - rho_) * k;
+    // What is across the axis alone: next to it |m|^2 - (m.d)^2 would cancel.
+    const double up = c_.z() + along * dz;
+    const double C = (m - along * d).squaredNorm() + (up - rho_) * (up + rho_);
     const double f = beta < 0 ? (s - beta) / (dz * dz) : C / (s + beta);
     return {f, (m - (along + dz * f) * d) / s, v, s};
 }

@@ -149,6 +149,22 @@ TEST_CASE("mixed cell: a horizontal cylinder's bisector is a parabolic cylinder,
           doctest::Approx(2 * arc).epsilon(1e-13));
 }
 
+TEST_CASE(
+    "mixed cell: the least clearance beside a line next to the base is half its height, within the error") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<> angle(0, pi), shift(-0.5, 0.5);
+    for (int i = 0; i < 10; ++i) {
+        const double a = angle(rng), height = std::ldexp(1 + shift(rng), -8 - i);
+        const Cell cell = voronoi_cell(
+            scene_of({Cylinder{{shift(rng), shift(rng), height}, {std::cos(a), std::sin(a), 0}, 0},
+                      Plane{{0, 0, 0.3}, {0, 0, 1}}}));
+        const Measures& m = cell.measures;
+        CAPTURE(height);
+        CHECK(std::abs(m.min_clearance - 0.5 * height) <= m.min_clearance_error);
+        CHECK(m.min_clearance_error < 1e-11);
+    }
+}
+
 TEST_CASE("mixed cell: an upright cylinder beside the region has a circular cone") {
     // Height: distance from the axis (-2, 0) less the radius; the lid cuts it in a circle about the axis.
     const Scene scene = scene_of({Cylinder{{-2, 0, 5}, {0, 0, -3}, 0.5}}, 1.2);
