@@ -30,6 +30,7 @@
 #include "../envelope/lift/mixed_arc.hpp"
 #include "../envelope/voronoi_cell.hpp"
 #include "../io/files/scene_file.hpp"
+#include "../primitives/fit/arc_equations.hpp"
 #include "bench_main.hpp"
 #include "cell_check.hpp"
 #include "mixed_scene.hpp"
@@ -120,27 +121,16 @@ std::vector<PairCase> random_pairs(bool with_sphere) {
     return cases;
 }
 
-Vec3 point_at(const MixedSpan& span, double t) {
-    std::array<Eigen::Vector4d, MixedSpan::largest_degree + 1> p;
-    for (int i = 0; i <= span.degree; ++i) {
-        const double w = span.points[i].w();
-        p[i] << w * span.points[i].head<3>(), w;
-    }
-    for (int level = span.degree; level > 0; --level)
-        for (int i = 0; i < level; ++i) p[i] = (1 - t) * p[i] + t * p[i + 1];
-    return p[0].head<3>() / p[0].w();
-}
-
 /// Points of the splines are equally far from the base and both objects, to twice the stated error.
 std::string find_fault(const PairCase& c, const MinimizationDiagram& diagram, const MixedArcs& arcs,
                        double tolerance) {
     for (const EdgeId e : diagram.edges.ids()) {
         if (!c.is_trisector(diagram, e)) continue;
-        const double error = arcs.error(e).space;
+        const double error = arcs.error(e).edge;
         if (!(error <= tolerance)) return to_string(e) + " is not fitted to the tolerance";
-        for (const MixedSpan& span : arcs.spans(e))
+        for (const SpaceSpan& span : arcs.curves().splines(e))
             for (int i = 0; i <= 16; ++i) {
-                const Vec3 p = c.problem.frame.to_world(point_at(span, i / 16.0));
+                const Vec3 p = c.problem.frame.to_world(space_fit::point(span.points, i / 16.0).head<3>());
                 for (const Object& object : c.scene.objects) {
                     const double d = std::holds_alternative<Sphere>(object)
                                          ? distance(std::get<Sphere>(object), p)
@@ -167,12 +157,13 @@ void measure_trisectors(benchmark::State& state, bool with_sphere, double relati
         for (std::size_t i = 0; i < cases.size(); ++i) {
             const std::clock_t start = std::clock();
             const MinimizationDiagram diagram = lower_envelope(cases[i].problem.family, cases[i].region);
-            const MixedArcs arcs(cases[i].problem, diagram, tolerance);
+            const FaceLoops loops(diagram, true);
+            const MixedArcs arcs(cases[i].problem, diagram, loops, tolerance);
             least[i] = std::min(least[i], 1e6 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
             state.PauseTiming();
             decisions += diagram.decisions;
             for (const EdgeId e : diagram.edges.ids())
-                if (cases[i].is_trisector(diagram, e)) spans += arcs.spans(e).size();
+                if (cases[i].is_trisector(diagram, e)) spans += arcs.curves().size(e);
             if (fault.empty()) {
                 fault = find_fault(cases[i], diagram, arcs, tolerance);
                 if (!fault.empty()) fault = "pair " + std::to_string(i) + ": " + fault;

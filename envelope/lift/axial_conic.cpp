@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 using Eigen::Vector4d;
 
 // The equation of g, or where it is nearly that of f what it adds to it.
@@ -122,28 +121,6 @@ ConicSpan AxialConic::between(const Vector4d& from, const Vector4d& to) const {
     }
     const Vector2d yw = solution(rows, rest);
     return {from, {p.x(), yw[0], p.z(), t * cosine}, to, yw[1]};
-}
-
-std::array<Vector3d, 4> axial_trim(const RadialPatch& patch, const ConicSpan& span) {
-    const Vec3 &x = patch.axes()[0], &y = patch.axes()[1];
-    const auto u_end = [&](const Vector4d& p) -> Vector2d {  // times its weight, the weight
-        const double root = std::sqrt(p.w() + x.dot(p.head<3>()));
-        return {y.dot(p.head<3>()) / root, root};
-    };
-    const auto v = [&](const Vector4d& p, double weight) -> Vector2d {
-        return {patch.along().dot(p.head<3>()) + weight * patch.along_start(), weight};
-    };
-    const std::array a{u_end(span.from), u_end(span.to)};
-    const std::array b{v(span.from, 1), v(span.middle, span.weight), v(span.to, 1)};
-    std::array<Vector3d, 4> points;
-    const auto product = [&](int i, int k) {
-        return Vector3d(a[i][0] * b[k][1], a[i][1] * b[k][0], a[i][1] * b[k][1]);
-    };
-    points[0] = product(0, 0);
-    points[1] = (2 * product(0, 1) + product(1, 0)) / 3;
-    points[2] = (product(0, 2) + 2 * product(1, 1)) / 3;
-    points[3] = product(1, 2);
-    return points;
 }
 
 }  // namespace vcell

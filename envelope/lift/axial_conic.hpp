@@ -70,10 +70,4 @@ private:
     Equations equations_, apart_;
 };
 
-/// Control points (u w, v w, w) on a patch AboutBase. There u is the tangent of half an angle, a quotient of
-/// linear functions along the conic: with D = t + x, x along the patch's first axis, D D' = y^2 says that D
-/// is a square on it, of the linear function that has the roots of D at the ends. And v = y is one of
-/// quadratic ones: together they have degree three.
-std::array<Eigen::Vector3d, 4> axial_trim(const RadialPatch& patch, const ConicSpan& span);
-
 }  // namespace vcell

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <type_traits>
 #include <vector>
 
 #include "../../core/curves/scaled_bernstein.hpp"
@@ -31,6 +30,12 @@ struct Controls {
     std::array<double, 3> w;
 
     explicit Controls(const ConicSpan& s) : X{s.from, s.middle, s.to}, w{1, s.weight, 1} {}
+    Bernstein<2> row(int i) const {
+        return Bernstein<2>::from([&](int k) { return X[k][i]; });
+    }
+    Bernstein<2> weight() const {
+        return Bernstein<2>::from([&](int k) { return w[k]; });
+    }
 };
 
 double product(Chart chart, const Vector4d& a, const Vector4d& b) {
@@ -39,7 +44,7 @@ double product(Chart chart, const Vector4d& a, const Vector4d& b) {
 
 // How near to the conic all of a span is proved to be; infinite if it is not.
 double span_distance(Chart chart, const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
-                     double inner, double sine2) {
+                     double inner, double sine2, double blur) {
     const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
     const double w = span.weight, over_w = 1 / w;
     const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
@@ -54,7 +59,7 @@ double span_distance(Chart chart, const ConicSpan& span, const std::array<Distan
     for (int j = 0; j < 2; ++j) {
         for (int i = 0; i < 3; ++i)
             r[j] = std::max(r[j], std::abs(planes[j].normal.dot(*X[i]) - weights[i] * planes[j].k) * over[i]);
-        r[j] += of_plane * (far + std::abs(planes[j].k));
+        r[j] += of_plane * (far + std::abs(planes[j].k)) + blur;
     }
     // NaN where the planes do not tell A: nothing is proved then.
     const double e = std::sqrt((r[0] * r[0] + 2 * std::abs(inner) * r[0] * r[1] + r[1] * r[1]) / sine2);
@@ -72,7 +77,8 @@ double span_distance(Chart chart, const ConicSpan& span, const std::array<Distan
                                      (std::abs(q(1, 2)) + of_product * length[1] * length[2]) * over_w,
                                      std::abs(q(2, 2)) + of_product * length[2] * length[2]});
     // | |p| - t | = | |p|^2 - t^2 | / (|p| + t).
-    const double cone = largest < 0.1 * near * near ? largest / (1.9 * near) : infinity, phi = cone + 1.5 * e;
+    const double cone = largest < 0.1 * near * near ? largest / (1.9 * near) : infinity,
+                 phi = cone + 1.5 * (e + blur);
     double m2 = infinity;
     for (int i = 0; i < 3; ++i) {
         const double over_t = 1 / X[i]->w();
@@ -96,29 +102,57 @@ double span_distance(Chart chart, const ConicSpan& span, const std::array<Distan
     return near > 0 && m2 > 0 && 2.5 * phi <= near * m2 ? e + 2 * phi / std::sqrt(m2) : infinity;
 }
 
+// A span with its trim, of degree N.
+template <int N>
 struct Trimmed {
     Controls curve;
-    std::array<Vector3d, 3> trim;
+    std::array<Vector3d, N + 1> trim;
+
+    Trimmed(const ConicSpan& span, const ConicTrim& of) : curve(span) {
+        std::copy_n(of.points.begin(), N + 1, trim.begin());
+    }
+    std::array<Trimmed, 2> halves() const {
+        std::array<Trimmed, 2> half{*this, *this};
+        divide(curve.X, half[0].curve.X, half[1].curve.X);
+        divide(curve.w, half[0].curve.w, half[1].curve.w);
+        divide(trim, half[0].trim, half[1].trim);
+        return half;
+    }
+
+private:
+    // De Casteljau at 1/2.
+    template <class Points>
+    static void divide(const Points& points, Points& first, Points& second) {
+        Points work = points;
+        const std::size_t n = points.size() - 1;
+        for (std::size_t k = 0; k <= n; ++k) {
+            first[k] = work[0];
+            second[n - k] = work[n - k];
+            for (std::size_t i = 0; i < n - k; ++i) work[i] = (work[i] + work[i + 1]) / 2;
+        }
+    }
 };
 
-std::array<Trimmed, 2> halves(const Trimmed& part) {
-    const auto divide = [](const auto& p, auto& first, auto& second) {
-        using T = std::decay_t<decltype(p[0])>;
-        const T a = (p[0] + p[1]) / 2, b = (p[1] + p[2]) / 2, m = (a + b) / 2;
-        first = {p[0], a, m};
-        second = {m, b, p[2]};
-    };
-    Trimmed first = part, second = part;
-    divide(part.curve.X, first.curve.X, second.curve.X);
-    divide(part.curve.w, first.curve.w, second.curve.w);
-    divide(part.trim, first.trim, second.trim);
-    return {first, second};
+// How far a patch's points S / S[3] at a trim are from the curve's X / W; the magnitudes that enter S bound
+// its rounding. Infinite where a weight is not known to be positive.
+template <int N>
+double off_curve(const std::array<Bernstein<N>, 4>& S, const std::array<double, 4>& size,
+                 const std::array<Bernstein<2>, 3>& X, const Bernstein<2>& W) {
+    const double weight = S[3].smallest_coefficient() - conic_rounding * size[3],
+                 least = W.smallest_coefficient();
+    if (!(weight > 0 && least > 0)) return infinity;
+    double squared = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double off = (S[i] * W - S[3] * X[i]).largest() +
+                           conic_rounding * (size[i] * W.largest() + size[3] * X[i].largest());
+        squared += off * off;
+    }
+    return std::sqrt(squared) / (weight * least);
 }
 
-double trim_distance_of_part(const RadialPatch& patch, const Trimmed& part) {
+double trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part) {
     const auto trim_row = [&](int i) { return Bernstein<2>::from([&](int k) { return part.trim[k][i]; }); };
-    const Bernstein<2> U = trim_row(0), V = trim_row(1), D = trim_row(2),
-                       W = Bernstein<2>::from([&](int k) { return part.curve.w[k]; });
+    const Bernstein<2> U = trim_row(0), V = trim_row(1), D = trim_row(2);
     const std::array<Bernstein<4>, 6> monomials{square(D), U * D, V * D, square(U), U * V, square(V)};
     constexpr std::array<std::array<int, 2>, 6> powers{{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
     std::array<double, 6> largest;
@@ -131,34 +165,53 @@ double trim_distance_of_part(const RadialPatch& patch, const Trimmed& part) {
             S[i] = S[i] + c * monomials[k];
             size[i] += std::abs(c) * largest[k];
         }
-    const double weight = S[3].smallest_coefficient() - conic_rounding * size[3],
-                 least = W.smallest_coefficient();
-    if (!(weight > 0 && least > 0)) return infinity;
-    double squared = 0;
-    for (int i = 0; i < 3; ++i) {
-        const auto X = Bernstein<2>::from([&](int k) { return part.curve.X[k][i]; });
-        const double off = (S[i] * W - S[3] * X).largest() +
-                           conic_rounding * (size[i] * W.largest() + size[3] * X.largest());
-        squared += off * off;
-    }
-    return std::sqrt(squared) / (weight * least);
+    return off_curve(S, size, {part.curve.row(0), part.curve.row(1), part.curve.row(2)}, part.curve.weight());
 }
 
-double trim_distance(const RadialPatch& patch, const Trimmed& part, int halvings) {
+// With T = mu v D^2 for a trim (U, V) / D, in the frame's own directions about its origin
+// (cylinder_patch.hpp).
+double trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
+    const auto trim_row = [&](int i) { return Bernstein<3>::from([&](int k) { return part.trim[k][i]; }); };
+    const Bernstein<3> U = trim_row(0), V = trim_row(1), D = trim_row(2);
+    const double eps = f.eps(), base = f.f0() + f.height().rho();
+    const Bernstein<6> T = (eps * U + D) * V, D2 = square(D);
+    const Bernstein<9> D3 = D2 * D, TV = T * V, TD = T * D, UD2 = U * D2;
+    const double u = U.largest(), v = V.largest(), d = D.largest(), t = (eps * u + d) * v;
+    const std::array<Bernstein<9>, 4> S{UD2 - 0.25 * eps * TV, TD,
+                                        f.f0() * D3 + eps * base * UD2 + f.z1() * TD + f.z2() * TV, D3};
+    const std::array size{
+        u * d * d + 0.25 * eps * t * v, t * d,
+        std::abs(f.f0()) * d * d * d + eps * base * u * d * d + std::abs(f.z1()) * t * d + f.z2() * t * v,
+        d * d * d};
+    const Eigen::Vector2d ex = f.turned({1, 0}), ey = f.turned({0, 1}), o = f.turned(f.origin());
+    const Bernstein<2> X = part.curve.row(0), Y = part.curve.row(1), W = part.curve.weight();
+    const double moved = conic_rounding * (X.largest() + Y.largest() + W.largest() * f.origin().norm()) /
+                         W.smallest_coefficient();
+    return off_curve(
+               S, size,
+               {ex.x() * X + ey.x() * Y - o.x() * W, ex.y() * X + ey.y() * Y - o.y() * W, part.curve.row(2)},
+               W) +
+           moved;
+}
+
+template <class Patch, int N>
+double trim_distance(const Patch& patch, const Trimmed<N>& part, int halvings) {
     const double whole = trim_distance_of_part(patch, part);
     if (whole < infinity || halvings == 0) return whole;
     double most = 0;
-    for (const Trimmed& half : halves(part)) {
+    for (const Trimmed<N>& half : part.halves()) {
         most = std::max(most, trim_distance(patch, half, halvings - 1));
         if (most == infinity) break;
     }
     return most;
 }
 
+constexpr int trim_halvings = 10;
+
 }  // namespace
 
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
-                      Chart chart) {
+                      Chart chart, double blur) {
     const Vector4d &a = planes[0].normal, &b = planes[1].normal;
     const double product = (a - b).squaredNorm() * (a + b).squaredNorm();
     const double sine2 = 0.25 * product - conic_rounding * std::sqrt(product);
@@ -167,7 +220,7 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     const double rest = unproved_length(std::vector<ConicSpan>(spans.begin(), spans.end()), deepest,
                                         most_halvings, [&](const ConicSpan& span) {
                                             const double of_span =
-                                                span_distance(chart, span, planes, inner, sine2);
+                                                span_distance(chart, span, planes, inner, sine2, blur);
                                             if (!(of_span < infinity)) return false;
                                             distance = std::max(distance, of_span);
                                             return true;
@@ -199,9 +252,12 @@ double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Ch
     return 1 + most;
 }
 
-double trim_distance(const RadialPatch& patch, const ConicSpan& span, const std::array<Vector3d, 3>& trim) {
-    constexpr int halvings = 10;
-    return trim_distance(patch, Trimmed{Controls(span), trim}, halvings);
+double trim_distance(const RadialPatch& patch, const ConicSpan& span, const ConicTrim& trim) {
+    return trim_distance(patch, Trimmed<2>(span, trim), trim_halvings);
+}
+
+double trim_distance(const CylinderFrame& patch, const ConicSpan& span, const ConicTrim& trim) {
+    return trim_distance(patch, Trimmed<3>(span, trim), trim_halvings);
 }
 
 }  // namespace vcell

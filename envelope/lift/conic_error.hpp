@@ -1,8 +1,9 @@
-/// How far conics over a curved base, as written, may be from the true ones.
+/// How far conics, as written, may be from the true ones.
 ///
 /// With t the distance from the base's centre or axis each of two sites is met where n.(p, t) = k, n a unit
-/// vector of four dimensions (axial_conic.hpp; over a sphere base likewise): a hyperplane. The edge is where
-/// both planes, an affine plane A together, meet the cone |p| = t (over a cylinder |(x, z)| = t).
+/// vector of four dimensions (axial_conic.hpp; over a sphere base likewise): a hyperplane. Over a plane base
+/// one of the sites, a cylinder, is taken for the base, and the base for a site (mixed_arc.cpp). The edge is
+/// where both planes, an affine plane A together, meet the cone |p| = t (over a cylinder |(x, z)| = t).
 ///
 /// *The bound.* Let X be a point of the curve, r the residuals of the planes, c that of the cone.
 ///
@@ -34,6 +35,7 @@
 
 #include "../../primitives/charts/chart.hpp"
 #include "conic_span.hpp"
+#include "cylinder_patch.hpp"
 #include "radial_patch.hpp"
 
 namespace vcell {
@@ -47,19 +49,23 @@ struct DistancePlane {
     double power;
 };
 
+/// The cone |(x, z)| = t is that of a cylinder base, and of whatever else is taken for the base.
+inline constexpr Chart around_axis{BaseShape::Cylinder};
+
 /// The distance of the spans' points from the conic of two planes. Where parts are not proved (the cone's
-/// tip, planes that touch it) the arc goes on between those that are: four times their size.
+/// tip, planes that touch it) the arc goes on between those that are: four times their size. blur: what
+/// rounding has moved points and planes to each other, or the cone, before.
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
-                      Chart chart);
+                      Chart chart, double blur = 0);
 
 /// By which factor an error across the rays may grow on the bisector of this plane, all along the spans;
 /// infinite where they reach its points at infinity.
 double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart);
 
-/// |S(c) - C| for a span C of the curve, its trim c (control points (u w, v w, w)) and a patch of total
-/// degree two (over a sphere base: all but AboutObject), S by its coefficients. Infinite where that is not
-/// proved.
-double trim_distance(const RadialPatch& patch, const ConicSpan& span,
-                     const std::array<Eigen::Vector3d, 3>& trim);
+/// |S(c) - C| for a span C of the curve and its trim c on a patch S of total degree two (over a sphere base:
+/// all but AboutObject). Infinite where that is not proved. Pre: the trim's degree is two.
+double trim_distance(const RadialPatch& patch, const ConicSpan& span, const ConicTrim& trim);
+/// Likewise on a cylinder's patch over a plane base. Pre: the degree is three.
+double trim_distance(const CylinderFrame& patch, const ConicSpan& span, const ConicTrim& trim);
 
 }  // namespace vcell

@@ -1,4 +1,4 @@
-/// A conic over a curved base, in the space of points and their distances.
+/// A conic in the space of points and their distances from the base, and its trims.
 #pragma once
 
 #include "../../core/platform.hpp"
@@ -9,7 +9,7 @@
 
 namespace vcell {
 
-/// A homogeneous conic through (p, t), canonical, t the distance from the base's centre or axis: the weights
+/// A homogeneous conic through (p, t), canonical, t the distance from the foot (chart.hpp): the weights
 /// are 1, `weight`, 1, and `middle` is the middle control point times its weight.
 struct ConicSpan {
     Eigen::Vector4d from, middle, to;
@@ -26,6 +26,12 @@ struct ConicSpan {
         const Eigen::Vector4d half_way = (from + 2 * middle + to) / (4 * w * w);
         return {{{from, (from + middle) / (2 * w), half_way, w}, {half_way, (middle + to) / (2 * w), to, w}}};
     }
+};
+
+/// Control points (u w, v w, w) of a conic span's trim, rational of degree 2 or 3.
+struct ConicTrim {
+    int degree;
+    std::array<Eigen::Vector3d, 4> points;
 };
 
 }  // namespace vcell

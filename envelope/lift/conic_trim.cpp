@@ -2,7 +2,31 @@
 
 #include <algorithm>
 
-namespace vcell::radial {
+namespace vcell {
+
+ConicTrim conic_trim(const RadialPatch& patch, const ConicSpan& span) {
+    if (patch.kind() == RadialPatch::Kind::AboutBase) {
+        const auto& [x, y, z] = patch.axes();
+        PatchCoordinate along;
+        along.numerator << patch.along(), 0, patch.along_start();
+        return cubic_trim({PatchCoordinate::half_angle(patch.origin(), x, y, 0), along}, 0, span);
+    }
+    const radial::TrimSpan trim(patch, span);
+    return {2, {trim.from, trim.middle, trim.to}};
+}
+
+std::array<Vec2, 2> line_trim(const RadialPatch& patch, const Eigen::Vector4d& from,
+                              const Eigen::Vector4d& to) {
+    std::array ends{patch.parameters(Vec3(from.head<3>())), patch.parameters(Vec3(to.head<3>()))};
+    // The line lies over one generator, whose direction a point near the axis tells badly.
+    if (patch.kind() == RadialPatch::Kind::AboutBase) {
+        const bool ends_farther = to.w() > from.w();
+        ends[ends_farther ? 0 : 1].x() = ends[ends_farther ? 1 : 0].x();
+    }
+    return ends;
+}
+
+namespace radial {
 
 using Eigen::Vector2d;
 using Eigen::Vector4d;
@@ -72,4 +96,6 @@ void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& s
                trim.to[i] / trim.to.z(), weight);
 }
 
-}  // namespace vcell::radial
+}  // namespace radial
+
+}  // namespace vcell

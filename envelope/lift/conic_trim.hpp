@@ -7,10 +7,18 @@
 #include <vector>
 
 #include "conic_span.hpp"
+#include "edge_trims.hpp"
 #include "radial_patch.hpp"
 #include "trim_bounds.hpp"
 
-namespace vcell::radial {
+namespace vcell {
+
+/// What edge_trims.hpp asks of a patch.
+ConicTrim conic_trim(const RadialPatch& patch, const ConicSpan& span);
+std::array<Vec2, 2> line_trim(const RadialPatch& patch, const Eigen::Vector4d& from,
+                              const Eigen::Vector4d& to);
+
+namespace radial {
 
 /// Middle weights of conics, in space and in both faces' parameters, against the geometric mean of those at
 /// the ends: from here on control points stay close to their curves. An arc of a circle of 145 degrees has
@@ -48,4 +56,6 @@ void add_even(const ConicSpan& span, std::vector<ConicSpan>& spans, int halvings
 /// Extends a rectangle of parameters by a span's trim.
 void extend_by_span(Rectangle& box, const RadialPatch& patch, const ConicSpan& span, int halvings = 40);
 
-}  // namespace vcell::radial
+}  // namespace radial
+
+}  // namespace vcell

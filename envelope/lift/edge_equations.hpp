@@ -17,6 +17,7 @@ public:
 
     /// Decided exactly.
     CurveKind kind(EdgeId e) const { return kinds_[e]; }
+    const IdVector<EdgeId, CurveKind>& kinds() const { return kinds_; }
     bool is_line(EdgeId e) const { return kinds_[e] == CurveKind::Line; }
     bool is_spline(EdgeId e) const { return kinds_[e] == CurveKind::Spline; }
 

@@ -69,10 +69,8 @@ double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<Di
 double EdgeErrors::trim_distance_of(EdgeId e, unsigned side, std::span<const ConicSpan> along) const {
     const RadialPatch& patch = patches_[of_.diagram.face(e, side)];
     double most = 0;
-    for (const ConicSpan& span : along) {
-        const TrimSpan trim(patch, span);
-        most = std::max(most, trim_distance(patch, span, {trim.from, trim.middle, trim.to}));
-    }
+    for (const ConicSpan& span : along)
+        most = std::max(most, trim_distance(patch, span, conic_trim(patch, span)));
     return most;
 }
 

@@ -22,6 +22,7 @@ void EdgeFits::fit(EdgeId e) {
                  vertices.end(of_.diagram.start(e)),
                  vertices.end(of_.diagram.end(e)),
                  of_.diagram.pieces(e)};
+    arc.is_turned = is_turned;
     if (edge.on_rim()) {
         arc.sites[1] = end_wall(problem, edge.side);
         arc.turn = std::abs(patches_.turns().along(e)[1]);
@@ -32,13 +33,7 @@ void EdgeFits::fit(EdgeId e) {
             arc.twins = twins->turned(problem.chart.turn);
     }
     curves_.set_spline(e, [&](std::vector<SpaceSpan>& spans) {
-        const SpaceFitError error = fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);
-        if (is_turned)
-            for (SpaceSpan& span : spans) {
-                span.points.middleRows<2>(4).swap(span.points.middleRows<2>(6));
-                std::swap(span.part[0], span.part[1]);
-            }
-        return error;
+        return fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);
     });
 }
 

@@ -1,7 +1,10 @@
 /// The loops of edges around a diagram's faces.
 #pragma once
 
+#include <vector>
+
 #include "../../core/small_vector.hpp"
+#include "../cell.hpp"
 #include "../diagram/minimization_diagram.hpp"
 
 namespace vcell {
@@ -39,6 +42,23 @@ public:
     template <class Use>
     void around(FaceId face, Use&& use) const {
         for (const CcbId ccb : loops_[face]) around(ccb, use);
+    }
+    /// The trims of a face, in the order of its loops: set(edge, reversed, curve) makes each.
+    template <class Set>
+    std::vector<std::vector<TrimCurve>> trims(FaceId face, Set&& set) const {
+        std::vector<std::vector<TrimCurve>> all;
+        all.reserve(loops_[face].size());
+        for (const CcbId ccb : loops_[face]) {
+            std::vector<TrimCurve>& loop = all.emplace_back();
+            loop.reserve(length(ccb));
+            around(ccb, [&](EdgeId e, bool reversed) {
+                TrimCurve& trim = append_new(loop);
+                trim.edge = e.value;
+                trim.reversed = reversed;
+                set(e, reversed, trim.curve);
+            });
+        }
+        return all;
     }
     std::size_t length(CcbId ccb) const {
         std::size_t n = 0;

@@ -235,7 +235,7 @@ void FaceSurfaces::halve_for_trims() {
             if (!diagram_.face_forms[face].valid()) continue;
             for (std::vector<TrimCurve>& loop : whole(face).loops)
                 for (TrimCurve& trim : loop)
-                    if (trim.edge == e.value) trims_.set(patches_[face], e, trim.reversed, trim);
+                    if (trim.edge == e.value) trims_.set(patches_[face], e, trim.reversed, trim.curve);
         }
     }
 }

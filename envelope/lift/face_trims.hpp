@@ -22,20 +22,9 @@ public:
     /// The loops of a face that is cut, as runs of spans within one sector.
     std::vector<std::vector<BoundaryRun>> runs(FaceId face) const;
     /// Makes the trim of an edge on a patch, in the direction of its loop.
-    void set(const RadialPatch& patch, EdgeId e, bool reversed, TrimCurve& trim) const;
+    void set(const RadialPatch& patch, EdgeId e, bool reversed, RationalCurve2& curve) const;
 
 private:
-    /// Some of an edge's spans, counted in the direction of a loop.
-    struct Part {
-        EdgeId e;
-        bool reversed;
-        std::size_t first, last;
-    };
-
-    void set_part(const RadialPatch& patch, const Part& part, RationalCurve2& curve) const;
-    void set_line(const RadialPatch& patch, EdgeId e, bool reversed, RationalCurve2& curve) const;
-    void set_spline(const Part& part, RationalCurve2& curve) const;
-    void set_conic(const RadialPatch& patch, const Part& part, RationalCurve2& curve) const;
     std::uint32_t sector_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const;
 
     const FaceLoops& loops_;

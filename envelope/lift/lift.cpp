@@ -97,8 +97,8 @@ public:
           diagram_(of.diagram),
           threads_(threads),
           circular_(of, threads),
-          mixed_(of.problem, of.diagram, tolerance),
           loops_(of.diagram, true),
+          mixed_(of.problem, of.diagram, loops_, tolerance),
           origin_(of.problem.frame.origin.norm()),
           roundings_(of.diagram.dcel.face_count(), 0),
           highest_(range_count(of.diagram.edges.size())) {}
@@ -138,20 +138,12 @@ public:
 
     void set_patches(FaceId face, std::vector<TrimmedPatch>& patches) {
         TrimmedPatch& patch = append_new(patches);
-        patch.loops.reserve(loops_[face].size());
-        for (const CcbId ccb : loops_[face]) {
-            std::vector<TrimCurve>& loop = patch.loops.emplace_back();
-            loop.reserve(loops_.length(ccb));
-            loops_.around(ccb, [&](EdgeId e, bool reversed) {
-                TrimCurve& trim = append_new(loop);
-                trim.edge = e.value;
-                trim.reversed = reversed;
-                if (mixed_.contains(e))
-                    mixed_.set_trim(e, reversed, trim.curve);
-                else
-                    circular_.set_trim(e, reversed, trim.curve);
-            });
-        }
+        patch.loops = loops_.trims(face, [&](EdgeId e, bool reversed, RationalCurve2& curve) {
+            if (mixed_.contains(e))
+                mixed_.set_trim(e, reversed, curve);
+            else
+                circular_.set_trim(e, reversed, curve);
+        });
         const FormId form = diagram_.face_forms[face];
         const Rectangle domain = loop_domain(patch.loops.front());
         RoundedPatch rounded = diagram_.is_circular(form)
@@ -165,21 +157,22 @@ public:
 
     LiftedEdgeErrors set_curve(EdgeId e, double, RationalCurve3& curve) {
         Range heights = empty_range;
-        double error;
+        MixedArcs::Error error;
         if (mixed_.contains(e)) {
             mixed_.set_curve(e, problem_.frame, curve, heights);
-            error = mixed_.error(e).space;
+            error = mixed_.error(e);
         } else {
             circular_.set_curve(e, curve, heights);
-            error = circular_.error(e);
+            error.curve = error.edge = circular_.error(e);
         }
         double square = 0;
         for (const Eigen::Vector4d& p : curve.points) square = std::max(square, p.head<3>().squaredNorm());
-        error += motion_back(std::sqrt(square));
-        if (shows(e)) highest_[task_of(e.value)].add(heights[1], error);
+        const double rounding = motion_back(std::sqrt(square));
+        if (shows(e)) highest_[task_of(e.value)].add(heights[1], error.curve + rounding);
         // The patches belong to what the edge's error bounds.
-        for (const unsigned side : {0u, 1u}) error += roundings_[diagram_.face(e, side)];
-        return {error, error};
+        double edge = error.edge + rounding;
+        for (const unsigned side : {0u, 1u}) edge += roundings_[diagram_.face(e, side)];
+        return {error.curve + rounding, edge};
     }
 
     void finish(const Cell& cell) {
@@ -194,7 +187,7 @@ public:
     }
 
     void measure(const IdVector<EdgeId, double>&, Cell& cell) const {
-        measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, cell, threads_);
+        measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, loops_, cell, threads_);
         Highest highest;
         for (const Highest& of_task : highest_) highest.add(of_task);
         highest.set(cell.measures);
@@ -219,8 +212,8 @@ private:
     const MinimizationDiagram& diagram_;
     const unsigned threads_;
     const CircularEdges circular_;
-    const MixedArcs mixed_;
     const FaceLoops loops_;
+    const MixedArcs mixed_;
     const double origin_;                 // how far the frame's is from the world's
     IdVector<FaceId, double> roundings_;  // of the patches
     std::vector<Highest> highest_;        // of the edges of each task

@@ -1,12 +1,17 @@
 #include "mixed_arc.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 
-#include "../../core/numbers/exact.hpp"
+#include "../../primitives/bases/canonical.hpp"
 #include "../../primitives/bisectors/height_conics.hpp"
+#include "../diagram/chart_arc.hpp"
 #include "based_diagram.hpp"
+#include "conic_error.hpp"
+#include "conic_trim.hpp"
+#include "edge_trims.hpp"
 
 namespace vcell {
 
@@ -14,6 +19,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Eigen::Vector4d;
 
 using roundoff::u;
 
@@ -26,19 +32,6 @@ SectionPlane wall(const RegionSide& side) { return {side.a, side.b, 0.0, -side.c
 Exact apex_offset(const ExactCylinder& f, const SectionPlane& s) {
     return f.az * (f.unit * s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) +
            (f.rho + f.pz) * (s.nx * f.ax + s.ny * f.ay);
-}
-
-// The plane as far as doubles tell it.
-SectionSurface surface(const SectionPlane& s) {
-    const auto rounded = [](const Exact& x) { return x.enclosure().mid(); };
-    if (s.nz.sign() == Sign::Zero) return WallLine{rounded(s.nx), rounded(s.ny), -rounded(s.k)};
-    const double turn = s.nz.sign() == Sign::Positive ? 1 : -1;
-    CircularForm f;
-    f.a = -turn * rounded(s.nx);
-    f.b = -turn * rounded(s.ny);
-    f.e = turn * rounded(s.k);
-    f.w = turn * rounded(s.nz);
-    return f;
 }
 
 // A section that does not pass through the apex, of a cylinder whose axis lies so to the base.
@@ -75,191 +68,127 @@ SpaceSite space_site(const CircularForm& f) {
     return {Sphere{{center.x(), center.y(), 0.5 * (width + behind)}, 0.5 * (width - behind)}, false, {}};
 }
 
-// The joined Bezier pieces of one degree: control(span, k) gives the k-th point of a piece.
-template <class Curve, class Control>
-void join(std::span<const MixedSpan> spans, int degree, Control control, Curve& curve) {
-    begin_joined(curve, degree, spans.size());
-    curve.points.push_back(control(spans.front(), 0));
-    for (const MixedSpan& span : spans)
-        for (int k = 1; k <= degree; ++k) curve.points.push_back(control(span, k));
+// What the trims beside a face are in: the parameters of a cylinder's patch, or those of the chart.
+struct PlaneParameters {
+    const CylinderFrame* frame;  // null: the chart
+
+    Vector2d operator()(const Vector4d& X) const {
+        return frame != nullptr ? frame->parameters(X.head<2>()) : Vector2d(X.head<2>());
+    }
+};
+
+std::array<Vec2, 2> line_trim(const PlaneParameters& parameters, const Vector4d& from, const Vector4d& to) {
+    return {parameters(from), parameters(to)};
 }
 
-// The conic in which a plane cuts a cylinder's bisector, in the coordinates of one face's patch.
+ConicTrim conic_trim(const PlaneParameters& parameters, const ConicSpan& span) {
+    if (parameters.frame != nullptr) return cubic_trim(parameters.frame->coordinates(), 1, span);
+    const auto chart = [](const Vector4d& X, double w) { return Vector3d(X.x(), X.y(), w); };
+    return {2, {chart(span.from, 1), chart(span.middle, span.weight), chart(span.to, 1)}};
+}
+
+// The conic in which a plane cuts a cylinder's bisector, by the coordinates of one face's patch.
 class Section {
 public:
     Section(const CylinderForm& form, const CylinderFrame& frame, const SectionPlane& plane)
-        : frame_(&frame) {
+        : frame_(frame),
+          normal_(nearest(plane.nx), nearest(plane.ny), nearest(plane.nz)),
+          k_(nearest(plane.k)) {
         const ExactCylinder exact = exact_cylinder(form);
         const Exact offset = apex_offset(exact, plane);
         through_apex_ = offset.sign() == Sign::Zero;
-        const Vector2d n = frame.turned({plane.nx.enclosure().mid(), plane.ny.enclosure().mid()});
         const double axis = Vector3d(form.ax, form.ay, form.az).stableNorm();
-        const double s0 = frame.height()(frame.origin()).s;
-        const double unit = exact.unit.enclosure().mid();
-        const double kappa = (form.az < 0 ? -1 : 1) * offset.enclosure().mid() / (unit * unit * axis * s0);
-        const double B = plane.nz.enclosure().mid() * frame.z2() - n.x() * frame.eps() / 4;
+        const double s0 = frame.height()(frame.origin()).s, unit = nearest(exact.unit);
+        const double kappa = (form.az < 0 ? -1 : 1) * nearest(offset) / (unit * unit * axis * s0);
+        const double B = normal_.z() * frame.z2() - frame.turned(normal_.head<2>()).x() * frame.eps() / 4;
         bend_ = 0.5 * B / kappa;
     }
 
-    const CylinderFrame& frame() const { return *frame_; }
     bool through_apex() const { return through_apex_; }
 
-    // A span between two points given by their (u, v): M / kappa has the Bezier coefficients m[0 .. 2], and
-    // -N / kappa = u M / kappa has n[0 .. 2]; at the ends M / kappa is 1 / mu.
-    struct Quadratics {
-        std::array<double, 3> m, n;
-        Vector2d from, to;
-    };
-    Quadratics between(const Vector2d& from, const Vector2d& to) const {
-        const double m0 = 1 / frame_->mu(from.x()), m1 = 1 / frame_->mu(to.x());
-        const double n0 = from.x() * m0, n1 = to.x() * m1, dv = to.y() - from.y(), bend = bend_ * dv * dv;
-        return {{m0, 0.5 * (m0 + m1) - frame_->eps() * bend, m1}, {n0, 0.5 * (n0 + n1) + bend, n1}, from, to};
+    // The arc between two of its points: M / kappa and -N / kappa = u M / kappa have the Bezier coefficients
+    // m and n, and m is 1 / mu at the ends. The middle control point is that of the polynomials of
+    // cylinder_patch.hpp over mu, with v^2 as its blossom. Pre: it is no ruling.
+    ConicSpan between(const Vector4d& a, const Vector4d& b) const {
+        const CylinderFrame& f = frame_;
+        const Vector2d from = f.parameters(a.head<2>()), to = f.parameters(b.head<2>());
+        const double m0 = 1 / f.mu(from.x()), m2 = 1 / f.mu(to.x());
+        const double dv = to.y() - from.y(), bend = bend_ * dv * dv, v = 0.5 * (from.y() + to.y()),
+                     vv = from.y() * to.y();
+        const double m = 0.5 * (m0 + m2) - f.eps() * bend, n = 0.5 * (from.x() * m0 + to.x() * m2) + bend;
+        const Vector2d p = m * f.origin() + f.turned_back({n - f.eps() * vv / 4, v});
+        const double z = f.f0() + f.height().rho() * f.eps() * n + f.z1() * v + f.z2() * vv,
+                     scale = 1 / std::sqrt(m0 * m2);
+        return {a, scale * Vector4d(p.x(), p.y(), z, z), b, scale * m};
     }
 
-    // Its trim, in a parameter in which weights are multiplied by growth^k: of degree 2 where mu = 1, else 3.
-    MixedSpan::Trim trim(const Quadratics& q, double growth) const {
-        const auto& [m, n, from, to] = q;
-        const double v0 = from.y(), v1 = to.y();
-        MixedSpan::Trim trim;
-        if (frame_->eps() == 0) {
-            trim.degree = 2;
-            trim.points[1] = {n[1], 0.5 * (v0 + v1), growth};
-        } else {
-            trim.degree = 3;
-            const double w1 = (m[0] + 2 * m[1]) / 3, w2 = (2 * m[1] + m[2]) / 3;
-            trim.points[1] = {(n[0] + 2 * n[1]) / 3 / w1, (v1 * m[0] + 2 * v0 * m[1]) / 3 / w1, w1 * growth};
-            trim.points[2] = {(2 * n[1] + n[2]) / 3 / w2, (2 * v1 * m[1] + v0 * m[2]) / 3 / w2,
-                              w2 * growth * growth};
-        }
-        trim.points[0] = {from.x(), v0, m[0]};
-        trim.points[trim.degree] = {to.x(), v1, m[2] * std::pow(growth, trim.degree)};
-        return trim;
-    }
-
-    // Chart point and height where (u, v) is given times M / kappa: the polynomials of cylinder_patch.hpp
-    // over mu, with v^2 as its blossom.
-    Vector3d point(double m, double n, double v, double vv) const {
-        const CylinderFrame& f = *frame_;
-        const Vector2d p = f.origin() + f.turned_back({n - f.eps() * vv / 4, v}) / m;
-        return {p.x(), p.y(), (f.f0() + f.height().rho() * f.eps() * n + f.z1() * v + f.z2() * vv) / m};
+    // How far spans are from it: around the cylinder, whose axis is the y axis then.
+    double distance(std::span<const ConicSpan> spans) const {
+        const Vector3d &c = frame_.height().point(), &d = frame_.height().axis();
+        const double rho = frame_.height().rho(), norm = normal_.norm();
+        const Eigen::Matrix3d turn =
+            Eigen::Quaterniond::FromTwoVectors(d, Vector3d::UnitY()).toRotationMatrix();
+        double far = c.norm() + frame_.height().reach() + rho;
+        const auto moved = [&](const Vector4d& X, double w) -> Vector4d {
+            far = std::max(far, X.norm() / w);
+            Vector4d result;
+            result << turn * (X.head<3>() - w * c), X.w() + w * rho;
+            return result;
+        };
+        std::vector<ConicSpan> around;
+        for (const ConicSpan& s : spans)
+            around.push_back({moved(s.from, 1), moved(s.middle, s.weight), moved(s.to, 1), s.weight});
+        DistancePlane base{{0, 0, 0, -std::sqrt(0.5)}, -std::sqrt(0.5) * (rho + c.z()), 0},
+            plane{Vector4d::Zero(), (k_ - normal_.dot(c)) / norm, 1};
+        base.normal.head<3>() = std::sqrt(0.5) * turn.col(2);
+        plane.normal.head<3>() = turn * normal_ / norm;
+        return conic_distance(around, {base, plane}, around_axis, 32 * u * far);
     }
 
 private:
-    const CylinderFrame* frame_;
+    const CylinderFrame& frame_;
+    Vector3d normal_;
+    double k_;
     double bend_;  // of a span with v1 - v0 = 1
     bool through_apex_;
 };
 
-// The spans of an arc on a section. Where cylinders lie on both sides the conic is parametrised by the first
-// one's v; the other one's is a projective function of it, which scales weights.
-class SectionSpans {
-public:
-    SectionSpans(const std::array<std::optional<Section>, 2>& sections, std::vector<MixedSpan>& out)
-        : sections_(sections), first_(sections[0] ? 0 : 1), out_(out) {}
-
-    void add(const Vector3d& a, const Vector3d& b, int halvings = 10) {
-        // The middle weight is kept within these multiples of the outer ones' mean: beyond them the parameter
-        // runs too unevenly for what integrates along it.
-        constexpr double smallest_shoulder = 0.5, largest_shoulder = 4;
-        const Section& section = *sections_[first_];
-        if (section.through_apex()) return add_line(a, b);
-        const Section::Quadratics q = between(section, a, b);
-        const double shoulder = q.m[1] / std::sqrt(q.m[0] * q.m[2]);
-        if (!(shoulder >= smallest_shoulder && shoulder <= largest_shoulder) && halvings > 0) {
-            // Where the weights of the ends count alike.
-            const double t = 1 / (1 + std::sqrt(q.m[2] / q.m[0])), s = 1 - t;
-            const auto at = [&](const std::array<double, 3>& c) {
-                return s * s * c[0] + 2 * s * t * c[1] + t * t * c[2];
-            };
-            const double v = s * q.from.y() + t * q.to.y();
-            const Vector3d middle = section.point(at(q.m), at(q.n), v, v * v);
-            add(a, middle, halvings - 1);
-            add(middle, b, halvings - 1);
-            return;
-        }
-        const double v = 0.5 * (q.from.y() + q.to.y()), vv = q.from.y() * q.to.y();
-        MixedSpan span;
-        span.degree = 2;
-        span.points[0] << a, q.m[0];
-        span.points[1] << section.point(q.m[1], q.n[1], v, vv), q.m[1];
-        span.points[2] << b, q.m[2];
-        span.trims[first_] = section.trim(q, 1);
-        if (first_ == 0 && sections_[1]) {
-            const Section::Quadratics r = between(*sections_[1], a, b);
-            span.trims[1] = sections_[1]->trim(r, std::sqrt(q.m[2] * r.m[0] / (q.m[0] * r.m[2])));
-        }
-        out_.push_back(span);
-    }
-
-private:
-    static Section::Quadratics between(const Section& s, const Vector3d& a, const Vector3d& b) {
-        return s.between(s.frame().parameters(a.head<2>()), s.frame().parameters(b.head<2>()));
-    }
-
-    // A ruling of the cone, and of the other one too.
-    void add_line(const Vector3d& a, const Vector3d& b) {
-        MixedSpan span;
-        span.degree = 1;
-        span.points[0] << a, 1;
-        span.points[1] << b, 1;
-        for (int side = 0; side < 2; ++side) {
-            if (!sections_[side]) continue;
-            const Section::Quadratics q = between(*sections_[side], a, b);
-            span.trims[side].degree = 1;
-            span.trims[side].points[0] << q.from, 1;
-            span.trims[side].points[1] << q.to, 1;
-        }
-        out_.push_back(span);
-    }
-
-    const std::array<std::optional<Section>, 2>& sections_;
-    const int first_;
-    std::vector<MixedSpan>& out_;
-};
-
 }  // namespace
 
-MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance)
+MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
+                     const FaceLoops& loops, double tolerance)
     : diagram_(diagram) {
     if (diagram.cylinders.empty()) return;
-    add_frames(problem);
-    arcs_.resize(diagram.edges.size());
-    offsets_.reserve(diagram.edges.size() + 1);
-    offsets_.push_back(0);
-    for (const EdgeId e : diagram.edges.ids()) {
-        add_edge(problem, e, tolerance);
-        offsets_.push_back(static_cast<std::uint32_t>(spans_.size()));
-    }
+    add_frames(problem, loops);
+    points_.reserve(diagram.vertices.size());
+    for (const MinimizationDiagram::Vertex& v : diagram.vertices)
+        points_.push_back({v.point.x(), v.point.y(), v.height, v.height});
+    kinds_.resize(diagram.edges.size(), CurveKind::Spline);
+    errors_.resize(diagram.edges.size());
+    curves_.emplace(diagram_, kinds_, points_, true);
+    for (const EdgeId e : diagram.edges.ids())
+        if (contains(e) && !add_section(problem, e)) add_spline(problem, e, tolerance);
 }
 
 // About the mean of points around each face, which lies in the region with them.
-void MixedArcs::add_frames(const PlaneBaseProblem& problem) {
-    const Dcel& dcel = diagram_.dcel;
-    frames_.resize(dcel.face_count());
-    for (std::uint32_t i = 1; i < dcel.face_count(); ++i) {
-        const FormId form = diagram_.face_forms[FaceId{i}];
-        if (diagram_.is_circular(form)) continue;
+void MixedArcs::add_frames(const PlaneBaseProblem& problem, const FaceLoops& loops) {
+    frames_.resize(diagram_.dcel.face_count());
+    for (const FaceId face : diagram_.face_forms.ids()) {
+        const FormId form = diagram_.face_forms[face];
+        if (!form.valid() || diagram_.is_circular(form)) continue;
         Vector2d sum = Vector2d::Zero();
         double count = 0;
         const auto add = [&](const Vector2d& p) {
             sum += p;
             ++count;
         };
-        const HalfEdgeId start = dcel.start(dcel.outer_ccb(FaceId{i}));
-        HalfEdgeId h = start;
-        do {
-            if (const VertexId v = dcel.origin(h); v.valid()) add(diagram_.vertices[v].point);
-            for (const auto& piece : diagram_.pieces(Dcel::edge(h))) add(piece.end);
-            h = dcel.next(h);
-        } while (h != start);
-        frames_[FaceId{i}] = CylinderFrame(problem.family.cylinder(form), sum / count);
+        loops.around(loops[face].front(), [&](EdgeId e, bool reversed) {
+            const VertexId v = reversed ? diagram_.end(e) : diagram_.start(e);
+            if (v.valid()) add(diagram_.vertices[v].point);
+            for (const auto& piece : diagram_.pieces(e)) add(piece.end);
+        });
+        frames_[face] = CylinderFrame(problem.family.cylinder(form), sum / count);
     }
-}
-
-void MixedArcs::add_edge(const PlaneBaseProblem& problem, EdgeId e, double tolerance) {
-    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-    if (diagram_.is_circular(edge.left) && (edge.on_rim() || diagram_.is_circular(edge.right))) return;
-    if (!add_section(problem, e)) add_spline(problem, e, tolerance);
 }
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.
@@ -303,51 +232,73 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
 
 bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const std::optional<SectionPlane> plane = plane_of(problem, e);
-    const VertexId start = diagram_.start(e);
-    if (!plane || !start.valid()) return false;
-    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-    std::array<std::optional<Section>, 2> sections;
-    FormId form;
-    for (const int side : {1, 0}) {
-        const FormId f = diagram_.form_beside(e, static_cast<unsigned>(side));
-        if ((side == 1 && edge.on_rim()) || diagram_.is_circular(f)) continue;
-        form = f;
-        const FaceId face = diagram_.face(e, static_cast<unsigned>(side));
-        sections[side] = Section(problem.family.cylinder(form), frames_[face], *plane);
+    if (!plane || !curves_->has_ends(e)) return false;
+    const unsigned side = frame_beside(e, 0) != nullptr ? 0 : 1;
+    const FormId f = diagram_.form_beside(e, side);
+    const Section section(problem.family.cylinder(f), *frame_beside(e, side), *plane);
+    if (section.through_apex()) {
+        // A ruling of the cone, and of the other one too.
+        kinds_[e] = CurveKind::Line;
+        set_error(e, 0, section_trims_error(e, end_error(e)));
+        return true;
     }
-    const MinimizationDiagram::Vertex& from = diagram_.vertices[start];
-    const MinimizationDiagram::Vertex& to = diagram_.vertices[diagram_.end(e)];
-    Arc& arc = arcs_[e];
-    arc.kind = sections[sections[0] ? 0 : 1]->through_apex()
-                   ? CurveKind::Line
-                   : section_kind(exact_cylinder(problem.family.cylinder(form)),
-                                  problem.axes[form.value - problem.family.forms.size()], *plane);
-    const std::size_t first = spans_.size();
-    SectionSpans(sections, spans_)
-        .add({from.point.x(), from.point.y(), from.height}, {to.point.x(), to.point.y(), to.height});
-    const std::array sides{arc_side(e, diagram_.form_beside(e, 0), 0),
-                           edge.on_rim() ? ArcSide{} : arc_side(e, diagram_.form_beside(e, 1), 1)};
-    arc.error = conic_error(sides, surface(*plane), std::span(spans_).subspan(first));
-    add_end_errors(e);
+    kinds_[e] = section_kind(exact_cylinder(problem.family.cylinder(f)),
+                             problem.axes[f.value - problem.family.forms.size()], *plane);
+    curves_->set_conics(e, [&](std::vector<ConicSpan>& spans) {
+        radial::add_even(section.between(curves_->from(e), curves_->to(e)), spans);
+    });
+    const double off = section.distance(curves_->conics(e));
+    set_error(e, off, section_trims_error(e, off));
     return true;
 }
 
-ArcSide MixedArcs::arc_side(EdgeId e, FormId f, unsigned side) const {
-    if (diagram_.is_circular(f)) return {&diagram_.forms[f], nullptr};
-    return {nullptr, &frames_[diagram_.face(e, side)]};
+// How far the patches' points at the trims of a line or conic are from it, which may be `off` the arc. Seen
+// from above a height turns an error by no more than its slope.
+double MixedArcs::section_trims_error(EdgeId e, double off) const {
+    double most = 0;
+    for (const unsigned side : {0u, 1u}) {
+        if (side == 1 && diagram_.edges[e].on_rim()) continue;
+        if (const CylinderFrame* frame = frame_beside(e, side)) {
+            const PlaneParameters parameters{frame};
+            if (curves_->is_line(e)) {
+                const Vector4d &from = curves_->from(e), &to = curves_->to(e);
+                const auto [a, b] = line_trim(parameters, from, to);
+                const Vector3d p(a.x(), a.y(), 1), q(b.x(), b.y(), 1);
+                most = std::max(most, trim_distance(*frame, {from, 0.5 * (from + to), to, 1},
+                                                    {3, {p, (2 * p + q) / 3, (p + 2 * q) / 3, q}}));
+            }
+            for (const ConicSpan& span : curves_->conics(e))
+                most = std::max(most, trim_distance(*frame, span, conic_trim(parameters, span)));
+            continue;
+        }
+        const CircularForm& f = diagram_.forms[diagram_.form_beside(e, side)];
+        double slope = 0;
+        curves_->for_controls(e, [&](const Vec3& p, double) {
+            slope = std::max(slope, gradient(f, p.head<2>()).norm() + 2 * f.k / f.w * off);
+        });
+        most = std::max(most, (1 + slope) * off);
+    }
+    return most;
+}
+
+// That of the cylinder's face on a side, if there is one.
+const CylinderFrame* MixedArcs::frame_beside(EdgeId e, unsigned side) const {
+    if (side == 1 && diagram_.edges[e].on_rim()) return nullptr;
+    return diagram_.is_circular(diagram_.form_beside(e, side)) ? nullptr : &frames_[diagram_.face(e, side)];
 }
 
 // The true arc ends in the true vertices, up to which the curve that was compared may be continued.
-void MixedArcs::add_end_errors(EdgeId e) {
-    FitError end;
-    for (const VertexId v : {diagram_.start(e), diagram_.end(e)}) {
-        if (!v.valid()) continue;
-        const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
-        end.chart = std::max(end.chart, at.error);
-        end.space = std::max(end.space, std::hypot(at.error, at.height_error));
-    }
-    arcs_[e].error.chart += 2 * end.chart;
-    arcs_[e].error.space += 2 * end.space;
+void MixedArcs::set_error(EdgeId e, double curve, double trims) {
+    const double ends = end_error(e);
+    errors_[e] = {curve + 2 * ends, std::max(curve, trims) + 2 * ends};
+}
+
+double MixedArcs::vertex_error(VertexId v) const {
+    return std::hypot(diagram_.vertices[v].error, diagram_.vertices[v].height_error);
+}
+double MixedArcs::end_error(EdgeId e) const {
+    if (!curves_->has_ends(e)) return 0;
+    return std::max(vertex_error(diagram_.start(e)), vertex_error(diagram_.end(e)));
 }
 
 SpaceSite MixedArcs::space_site_beside(const PlaneBaseProblem& problem, EdgeId e, FormId f,
@@ -370,8 +321,7 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     const auto end = [&](VertexId v) -> std::optional<SpaceEnd> {
         if (!v.valid()) return std::nullopt;
-        const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
-        return SpaceEnd{{at.point.x(), at.point.y(), at.height}, std::hypot(at.error, at.height_error)};
+        return SpaceEnd{points_[v].head<3>(), vertex_error(v)};
     };
     const std::array sides{diagram_.side_of(e, 0), diagram_.side_of(e, 1)};  // of the left and right forms
     const SpaceArc arc{{space_site_beside(problem, e, edge.left, sides[0]),
@@ -381,65 +331,45 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
                        diagram_.pieces(e),
                        0,
                        false,
-                       twin_quadric(problem.family, edge.right, edge.left)};
+                       twin_quadric(problem.family, edge.right, edge.left),
+                       sides[0] == 1};
     constexpr std::size_t most_of_edge = 500;
     effort_.spans += most_of_edge;
-    std::vector<SpaceSpan> fitted;
-    const SpaceFitError error = fit_space_spline(BaseChart(), arc, tolerance, fitted, effort_);
+    curves_->set_spline(e, [&](std::vector<SpaceSpan>& spans) {
+        return fit_space_spline(BaseChart(), arc, tolerance, spans, effort_);
+    });
+    const SpaceFitError& error = curves_->fit_error(e);
     if (error.unproved)
         throw PlaneDiagram{problem, diagram_}.unproved(e, "no curve is proved to be the one between them",
                                                        problem.frame.to_world(*error.unproved));
-    const std::size_t first = spans_.size();
-    for (const SpaceSpan& from : fitted) {
-        MixedSpan span;
-        span.degree = 5;
-        for (int k = 0; k <= 5; ++k) span.points[k] << from.points.col(k).head<3>(), 1;
-        for (const int i : {0, 1}) {
-            if (diagram_.is_circular(i == 0 ? edge.left : edge.right)) continue;
-            auto& trim = span.trims[sides[i]];
-            trim.degree = 5;
-            for (int k = 0; k <= 5; ++k) trim.points[k] << from.points.col(k).segment<2>(4 + 2 * i), 1;
-        }
-        spans_.push_back(span);
-    }
-    // Trims of a face begin where others end, which are conics: their ends are computed alike, to the digit.
-    for (const unsigned side : {0u, 1u}) {
-        if (!arc.start || diagram_.is_circular(diagram_.form_beside(e, side))) continue;
-        const CylinderFrame& frame = frames_[diagram_.face(e, side)];
-        spans_[first].trims[side].points[0] << frame.parameters(arc.start->point.head<2>()), 1;
-        spans_.back().trims[side].points[5] << frame.parameters(arc.end->point.head<2>()), 1;
-    }
-    arcs_[e].error = {error.curve, std::max(error.curve, error.trims)};
-    add_end_errors(e);
+    set_error(e, error.curve, error.trims);
 }
 
 void MixedArcs::set_curve(EdgeId e, const BaseFrame& frame, RationalCurve3& curve, Range& heights) const {
-    for (const MixedSpan& s : spans(e)) {
-        std::array<double, MixedSpan::largest_degree + 1> z;
-        for (int k = 0; k <= s.degree; ++k) z[k] = s.points[k].z();
-        if (s.degree == 2)
-            extend(heights, z[0], z[1], z[2], s.points[1].w() / std::sqrt(s.points[0].w() * s.points[2].w()));
-        else
-            extend_by_polynomial(heights, {z.data(), static_cast<std::size_t>(s.degree) + 1});
+    curves_->to_world(e, frame, curve);
+    if (curves_->is_line(e)) {
+        for (const Vector4d* X : {&curves_->from(e), &curves_->to(e)})
+            heights = {std::min(heights[0], X->z()), std::max(heights[1], X->z())};
+    } else if (curves_->is_spline(e)) {
+        for (const SpaceSpan& span : curves_->splines(e)) {
+            std::array<double, 6> z;
+            for (int k = 0; k < 6; ++k) z[k] = span.points(2, k);
+            extend_by_polynomial(heights, z);
+        }
+    } else {
+        for (const ConicSpan& s : curves_->conics(e))
+            extend(heights, s.from.z(), s.middle.z() / s.weight, s.to.z(), s.weight);
     }
-    const auto in_world = [&](const MixedSpan& s, int k) {
-        const Vec3 world = frame.to_world(s.points[k].head<3>());
-        return Eigen::Vector4d(world.x(), world.y(), world.z(), s.points[k].w());
-    };
-    join(spans(e), spans(e).front().degree, in_world, curve);
 }
 
+// Trims of a face begin where others end, which may be those of other curves: ends are computed alike, to the
+// digit.
 void MixedArcs::set_trim(EdgeId e, bool reversed, RationalCurve2& curve) const {
-    const auto in_chart = [](const MixedSpan& s, int k) {
-        const Eigen::Vector4d& p = s.points[k];
-        return Vector3d(p.x(), p.y(), p.w());
-    };
-    const auto in_patch = [&](const MixedSpan& s, int k) { return s.trims[reversed].points[k]; };
-    if (const int degree = spans(e).front().trims[reversed].degree; degree > 0)
-        join(spans(e), degree, in_patch, curve);
-    else
-        join(spans(e), spans(e).front().degree, in_chart, curve);
-    if (reversed) std::reverse(curve.points.begin(), curve.points.end());
+    const PlaneParameters parameters{frame_beside(e, reversed ? 1 : 0)};
+    vcell::set_trim(*curves_, parameters, {e, reversed, 0, curves_->size(e)}, curve);
+    if (!curves_->has_ends(e)) return;
+    curve.points.front().head<2>() = parameters(reversed ? curves_->to(e) : curves_->from(e));
+    curve.points.back().head<2>() = parameters(reversed ? curves_->from(e) : curves_->to(e));
 }
 
 }  // namespace vcell

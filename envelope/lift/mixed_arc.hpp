@@ -10,23 +10,27 @@
 ///     N = nz f0 - k0 + (n2 + nz z1) v + B v^2,  B = nz z2 - n1 eps / 4:
 ///
 /// u is a quotient of quadratics in v and mu = kappa / M, so the curve in space and its chart curve are
-/// rational quadratics in v, and its trim (u, v) a rational cubic. Only the ends and bend = B (v1 - v0)^2 /
-/// (2 kappa) enter. kappa is nz times the height of the plane over the apex, less the apex's; it is taken
-/// from exact numbers, and 0 where the plane passes through the apex: then the arc lies on a ruling. The
-/// chart curve has a focus in A and eccentricity |d_z grad g + d| for the plane's height g, whose comparison
-/// with 1 names the conic.
+/// rational quadratics in v, and its trim (u, v) a rational cubic (edge_trims.hpp). Only the ends and bend =
+/// B (v1 - v0)^2 / (2 kappa) enter. kappa is nz times the height of the plane over the apex, less the apex's;
+/// it is taken from exact numbers, and 0 where the plane passes through the apex: then the arc lies on a
+/// ruling. The chart curve has a focus in A and eccentricity |d_z grad g + d| for the plane's height g, whose
+/// comparison with 1 names the conic.
+///
+/// *Errors.* Which of the three is the base does not matter to an arc: with the cylinder as the base, r the
+/// distance from its axis, the other two are met where linear functions of (p, r) have their values, the base
+/// plane where z - r does, and conic_error.hpp has the distance.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "../../core/numbers/exact.hpp"
 #include "../cell.hpp"
+#include "cylinder_patch.hpp"
+#include "edge_curves.hpp"
+#include "face_loops.hpp"
 #include "joined_spans.hpp"
-#include "mixed_span.hpp"
-#include "section_error.hpp"
 #include "space_spline.hpp"
 
 namespace vcell {
@@ -41,45 +45,52 @@ class MixedArcs {
 public:
     /// tolerance: length, the largest distance of a fitted arc from the true one. Throws UndecidedError, with
     /// sites and place, where no curve is proved to be the arc.
-    MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, double tolerance);
+    MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const FaceLoops& loops,
+              double tolerance);
+    MixedArcs(const MixedArcs&) = delete;
+    MixedArcs& operator=(const MixedArcs&) = delete;
 
     /// Is there a cylinder on a side of e?
-    bool contains(EdgeId e) const { return !offsets_.empty() && offsets_[e.value] < offsets_[e.value + 1]; }
-    /// In the direction of half-edge 2e, all of one degree.
-    std::span<const MixedSpan> spans(EdgeId e) const {
-        return {spans_.data() + offsets_[e.value], spans_.data() + offsets_[e.value + 1]};
+    bool contains(EdgeId e) const {
+        if (!curves_) return false;
+        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+        return !diagram_.is_circular(edge.left) || (!edge.on_rim() && !diagram_.is_circular(edge.right));
     }
-    CurveKind kind(EdgeId e) const { return arcs_[e].kind; }
+    /// Pre: there are cylinders, here and below.
+    const EdgeCurves& curves() const { return *curves_; }
+    CurveKind kind(EdgeId e) const { return kinds_[e]; }
     /// Makes the curve in world coordinates; extends `heights` by its heights.
     void set_curve(EdgeId e, const BaseFrame& frame, RationalCurve3& curve, Range& heights) const;
     /// Makes the trim on the left or, reversed, on the right, in the direction of the loop.
     void set_trim(EdgeId e, bool reversed, RationalCurve2& curve) const;
     /// Bounds on the distance from the true arc, its ends' errors included.
-    const FitError& error(EdgeId e) const { return arcs_[e].error; }
+    struct Error {
+        double curve = 0;  ///< of the curve
+        double edge = 0;   ///< of the lifted trims on both sides, too
+    };
+    const Error& error(EdgeId e) const { return errors_[e]; }
     /// Pre: the face's form is a cylinder's.
     const CylinderFrame& frame(FaceId f) const { return frames_[f]; }
 
 private:
-    struct Arc {
-        CurveKind kind = CurveKind::Spline;
-        FitError error;
-    };
-
-    void add_frames(const PlaneBaseProblem& problem);
-    void add_edge(const PlaneBaseProblem& problem, EdgeId e, double tolerance);
+    void add_frames(const PlaneBaseProblem& problem, const FaceLoops& loops);
     std::optional<SectionPlane> plane_of(const PlaneBaseProblem& problem, EdgeId e) const;
     bool add_section(const PlaneBaseProblem& problem, EdgeId e);
-    ArcSide arc_side(EdgeId e, FormId f, unsigned side) const;
-    void add_end_errors(EdgeId e);
+    double section_trims_error(EdgeId e, double off) const;
+    const CylinderFrame* frame_beside(EdgeId e, unsigned side) const;
+    double vertex_error(VertexId v) const;
+    double end_error(EdgeId e) const;
+    void set_error(EdgeId e, double curve, double trims);
     SpaceSite space_site_beside(const PlaneBaseProblem& problem, EdgeId e, FormId f, unsigned side) const;
     void add_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance);
 
     const MinimizationDiagram& diagram_;
     FitEffort effort_;
     IdVector<FaceId, CylinderFrame> frames_;
-    std::vector<MixedSpan> spans_;
-    std::vector<std::uint32_t> offsets_;
-    IdVector<EdgeId, Arc> arcs_;
+    IdVector<EdgeId, CurveKind> kinds_;
+    IdVector<VertexId, Eigen::Vector4d> points_;
+    std::optional<EdgeCurves> curves_;
+    IdVector<EdgeId, Error> errors_;
 };
 
 }  // namespace vcell

@@ -29,9 +29,13 @@ RadialVertices::RadialVertices(const RadialDiagram& of, EdgeEquations& equations
         for (const EdgeId e : diagram_.edges.ids())
             if (const VertexId start = diagram_.start(e); start.valid() && !of.is_bare(e))
                 is_asked[start.value] = is_asked[diagram_.end(e).value] = true;
-    vertices_.reserve(diagram_.vertices.size());
-    for (const VertexId v : diagram_.vertices.ids())
-        vertices_.push_back(is_asked[v.value] ? lifted(v, equations) : Vertex{Vector4d::Zero(), 0});
+    points_.reserve(diagram_.vertices.size());
+    errors_.reserve(diagram_.vertices.size());
+    for (const VertexId v : diagram_.vertices.ids()) {
+        const auto [point, error] = is_asked[v.value] ? lifted(v, equations) : Vertex{Vector4d::Zero(), 0};
+        points_.push_back(point);
+        errors_.push_back(error);
+    }
 }
 
 RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equations) const {
@@ -82,7 +86,7 @@ std::optional<SpaceEnd> RadialVertices::settled(VertexId v, const SpaceEnd& near
 
 double RadialVertices::reach() const {
     double reach = 0;
-    for (const Vertex& v : vertices_) reach = std::max(reach, v.point.w());
+    for (const Vector4d& p : points_) reach = std::max(reach, p.w());
     return reach;
 }
 

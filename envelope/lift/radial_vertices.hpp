@@ -18,10 +18,11 @@ public:
     RadialVertices(const RadialDiagram& of, EdgeEquations& equations);
 
     /// (p, t), canonical.
-    const Eigen::Vector4d& operator[](VertexId v) const { return vertices_[v].point; }
-    Vec3 point(VertexId v) const { return vertices_[v].point.head<3>(); }
+    const Eigen::Vector4d& operator[](VertexId v) const { return points_[v]; }
+    const IdVector<VertexId, Eigen::Vector4d>& points() const { return points_; }
+    Vec3 point(VertexId v) const { return points_[v].head<3>(); }
     /// A bound on the distance from the true vertex.
-    double error(VertexId v) const { return vertices_[v].error; }
+    double error(VertexId v) const { return errors_[v]; }
     /// What a fit is told of an edge's end: none where the edge is closed.
     std::optional<SpaceEnd> end(VertexId v) const {
         if (!v.valid()) return std::nullopt;
@@ -43,7 +44,8 @@ private:
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
     double origin_;  // how far the frame's is from the world's
-    IdVector<VertexId, Vertex> vertices_;
+    IdVector<VertexId, Eigen::Vector4d> points_;
+    IdVector<VertexId, double> errors_;
 };
 
 }  // namespace vcell::radial

@@ -51,6 +51,7 @@ struct SpaceArc {
     double turn = 0;           ///< of a rim's arc; 0: its ends' points tell
     bool sites_cross = false;  ///< both are cylinders, of one radius, and their axes cross
     std::optional<SpaceQuadric> twins = std::nullopt;  ///< the right form less the left one, if they are
+    bool is_turned = false;  ///< the site on the left has the face on the right, and spans its trim there
 };
 
 /// A Bezier span of degree 5, polynomial: space curve and trims in one parameter.

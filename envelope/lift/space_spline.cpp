@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "space_guide.hpp"
 #include "space_trims.hpp"
@@ -247,7 +249,14 @@ std::optional<SpaceEnd> settle_point(const BaseChart& chart, const std::array<Sp
 
 SpaceFitError fit_space_spline(const BaseChart& chart, const SpaceArc& arc, double tolerance,
                                std::vector<SpaceSpan>& spans, FitEffort& effort) {
-    return EdgeFit(chart, arc).run(tolerance, spans, effort);
+    const std::size_t first = spans.size();
+    const SpaceFitError error = EdgeFit(chart, arc).run(tolerance, spans, effort);
+    if (arc.is_turned)
+        for (SpaceSpan& span : std::span(spans).subspan(first)) {
+            span.points.middleRows<2>(4).swap(span.points.middleRows<2>(6));
+            std::swap(span.part[0], span.part[1]);
+        }
+    return error;
 }
 
 }  // namespace vcell

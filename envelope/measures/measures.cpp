@@ -263,11 +263,12 @@ void add_region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem
 class Measurer {
 public:
     Measurer(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const ChartArcs& arcs,
-             const MixedArcs& mixed, Cell& cell)
+             const MixedArcs& mixed, const FaceLoops& loops, Cell& cell)
         : problem_(problem),
           diagram_(diagram),
           arcs_(arcs),
           mixed_(mixed),
+          loops_(loops),
           cell_(cell),
           strips_(diagram.edges.size(), {0, 0}) {}
 
@@ -329,12 +330,12 @@ private:
     }
 
     // An upper bound of the slope of the height on one side of a span with a cylinder on a side.
-    double slope_bound(EdgeId e, unsigned side, const MixedSpan& span) const {
+    double slope_bound(EdgeId e, unsigned side, ControlPoints span) const {
         const FormId form = diagram_.form_beside(e, side);
         double slope = 0;
         if (diagram_.is_circular(form)) {
-            for (int k = 0; k <= span.degree; ++k)
-                slope = std::max(slope, gradient(diagram_.forms[form], span.points[k].head<2>()).norm());
+            for (const Eigen::Vector4d& p : span)
+                slope = std::max(slope, gradient(diagram_.forms[form], p.head<2>()).norm());
             return slope;
         }
         // The gradient (V / s - d) / d_z is longest where V / s, which is nowhere between the control points
@@ -342,8 +343,8 @@ private:
         const CylinderHeight& f = mixed_.frame(diagram_.dcel.face(Dcel::half_edge(e, side))).height();
         const Vector2d d = f.axis().head<2>();
         bool is_ahead = true, is_left = true, is_right = true;
-        for (int k = 0; k <= span.degree; ++k) {
-            const CylinderHeight::Jet jet = f(span.points[k].head<2>());
+        for (const Eigen::Vector4d& p : span) {
+            const CylinderHeight::Jet jet = f(p.head<2>());
             const double across = cross(d, jet.v);
             is_ahead = is_ahead && d.dot(jet.v) > 0;
             is_left = is_left && across > 0;
@@ -351,30 +352,44 @@ private:
             slope = std::max(slope, jet.gradient.norm());
         }
         if (is_ahead || is_left || is_right) return slope;
-        for (int k = 0; k < span.degree; ++k) {
-            const Vector2d p = span.points[k].head<2>(), q = span.points[k + 1].head<2>();
+        for (std::size_t k = 0; k + 1 < span.size(); ++k) {
+            const Vector2d p = span[k].head<2>(), q = span[k + 1].head<2>();
             slope = std::max(slope, f.slope_bound(f(0.5 * (p + q)), 0.5 * (q - p).norm()));
         }
         return slope;
     }
 
+    // Calls visit(span) with the control points of each span beside a cylinder, in the direction of half-edge
+    // 2e.
+    template <class Visit>
+    void for_mixed_spans(EdgeId e, Visit&& visit) const {
+        if (!mixed_.contains(e)) return;
+        std::vector<Eigen::Vector4d> points;
+        mixed_.curves().for_controls(e, [&](const Vec3& p, double w) {
+            points.push_back({p.x(), p.y(), p.z(), w});
+        });
+        const auto degree = static_cast<std::size_t>(mixed_.curves().degree(e));
+        for (std::size_t i = 0; i + degree < points.size(); i += degree)
+            visit(ControlPoints(points).subspan(i, degree + 1));
+    }
+
     void measure_mixed_edge(EdgeId e, Sums& sums) {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         BoundedSum length;
-        for (const MixedSpan& span : mixed_.spans(e)) {
+        for_mixed_spans(e, [&](ControlPoints span) {
             add(length, space_length(span));
             if (edge.on_rim() && shows(e, 0)) {
                 const Integral wall = wall_area(span);
                 sums.box_area.add(diagram_.is_below_floor ? -wall.value : wall.value, wall.error);
             }
             double polygon = 0, height = 0;
-            for (int k = 0; k <= span.degree; ++k) {
-                if (k > 0) polygon += (span.points[k] - span.points[k - 1]).head<2>().norm();
-                height = std::max(height, std::abs(span.points[k].z()));
+            for (std::size_t k = 0; k < span.size(); ++k) {
+                if (k > 0) polygon += (span[k] - span[k - 1]).head<2>().norm();
+                height = std::max(height, std::abs(span[k].z()));
             }
             const auto slope = [&](unsigned side) { return slope_bound(e, side, span); };
-            add_position_error(e, polygon, mixed_.error(e).chart, height, slope, sums);
-        }
+            add_position_error(e, polygon, mixed_.error(e).curve, height, slope, sums);
+        });
         // Splines may wind about the true arc, for all that is proved.
         cell_.edges[e.value].is_estimated = mixed_.kind(e) == CurveKind::Spline;
         set_length(cell_.edges[e.value], length);
@@ -448,43 +463,25 @@ private:
             measure_cylinder_face(id, face, sums);
     }
 
-    template <class Visit>
-    void for_each_half_edge(FaceId id, Visit&& visit) const {
-        const auto visit_loop = [&](CcbId ccb) {
-            const HalfEdgeId start = diagram_.dcel.start(ccb);
-            HalfEdgeId h = start;
-            do {
-                visit(h);
-                h = diagram_.dcel.next(h);
-            } while (h != start);
-        };
-        visit_loop(diagram_.dcel.outer_ccb(id));
-        for (const CcbId inner : diagram_.dcel.inner_ccbs(id)) visit_loop(inner);
-    }
-
-    static bool is_forward(HalfEdgeId h) { return h == Dcel::half_edge(Dcel::edge(h)); }
-
     void measure_circular_face(FaceId id, const CircularForm& f, CellFace& face, Sums& sums) const {
         const RationalPatch& surface = face.patches.front().surface;
         const Vector2d origin(0.5 * surface.domain_u[0] + 0.5 * surface.domain_u[1],
                               0.5 * surface.domain_v[0] + 0.5 * surface.domain_v[1]);
         const LocalHeight height(f, origin);
         BoundedSum volume, chart_area, curved_area;
-        for_each_half_edge(id, [&](HalfEdgeId h) {
-            const EdgeId e = Dcel::edge(h);
+        loops_.around(id, [&](EdgeId e, bool reversed) {
             for (const ArcSpan& s : arcs_.spans(e)) {
-                const ArcSpan span = is_forward(h) ? s : s.reversed();
+                const ArcSpan span = reversed ? s.reversed() : s;
                 add_span(height, span, volume, chart_area);
                 if (f.k != 0) add_paraboloid_span({f.cx, f.cy}, f.w, span, curved_area);
             }
-            if (!mixed_.contains(e)) return;
-            const double sign = is_forward(h) ? 1 : -1;
-            for (const MixedSpan& span : mixed_.spans(e)) {
+            const double sign = reversed ? -1 : 1;
+            for_mixed_spans(e, [&](ControlPoints span) {
                 const FaceIntegrals part = face_integrals(f, origin, span);
                 volume.add(sign * part.volume.value, part.volume.error);
                 chart_area.add(sign * part.chart_area.value, part.chart_area.error);
                 if (f.k != 0) curved_area.add(sign * part.area.value, part.area.error);
-            }
+            });
         });
         const double stretch = std::hypot(1, f.a / f.w, f.b / f.w);
         if (f.k != 0)
@@ -497,19 +494,20 @@ private:
     void measure_cylinder_face(FaceId id, CellFace& face, Sums& sums) const {
         const CylinderFrame& frame = mixed_.frame(id);
         double extent = 0;
-        for_each_half_edge(id, [&](HalfEdgeId h) {
-            for (const MixedSpan& span : mixed_.spans(Dcel::edge(h)))
-                for (int k = 0; k <= span.degree; ++k)
-                    extent = std::max(extent, (span.points[k].head<2>() - frame.origin()).norm());
+        loops_.around(id, [&](EdgeId e, bool) {
+            for_mixed_spans(e, [&](ControlPoints span) {
+                for (const Eigen::Vector4d& p : span)
+                    extent = std::max(extent, (p.head<2>() - frame.origin()).norm());
+            });
         });
         BoundedSum volume, area;
-        for_each_half_edge(id, [&](HalfEdgeId h) {
-            const double sign = is_forward(h) ? 1 : -1;
-            for (const MixedSpan& span : mixed_.spans(Dcel::edge(h))) {
+        loops_.around(id, [&](EdgeId e, bool reversed) {
+            const double sign = reversed ? -1 : 1;
+            for_mixed_spans(e, [&](ControlPoints span) {
                 const FaceIntegrals part = face_integrals(frame, extent, span);
                 volume.add(sign * part.volume.value, part.volume.error);
                 area.add(sign * part.area.value, part.area.error);
-            }
+            });
         });
         set_face(id, face, volume, area.value(), area.bound(), sums);
         if (problem_.floor.empty()) add_region_minimum(frame.height(), problem_, sums.min_clearance);
@@ -519,8 +517,7 @@ private:
                   Sums& sums) const {
         BoundedSum total;
         total.add(area, area_bound);
-        for_each_half_edge(
-            id, [&](HalfEdgeId h) { total.add(0, strips_[Dcel::edge(h)][is_forward(h) ? 0 : 1]); });
+        loops_.around(id, [&](EdgeId e, bool reversed) { total.add(0, strips_[e][reversed ? 1 : 0]); });
         // A face thinner than the spacing of doubles may come out below zero by its rounding.
         face.area = std::max(0.0, total.value());
         face.area_error = total.bound();
@@ -538,6 +535,7 @@ private:
     const MinimizationDiagram& diagram_;
     const ChartArcs& arcs_;
     const MixedArcs& mixed_;
+    const FaceLoops& loops_;
     Cell& cell_;
     // What edges off their places change about the areas of the faces on their left and right.
     IdVector<EdgeId, std::array<double, 2>> strips_;
@@ -577,8 +575,9 @@ void rank_neighbors(Cell& cell) {
 }
 
 void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell, unsigned threads) {
-    Measurer(problem, diagram, arcs, mixed, cell).run(threads);
+                         const ChartArcs& arcs, const MixedArcs& mixed, const FaceLoops& loops, Cell& cell,
+                         unsigned threads) {
+    Measurer(problem, diagram, arcs, mixed, loops, cell).run(threads);
 }
 
 }  // namespace vcell

@@ -6,6 +6,7 @@
 #include "../cell.hpp"
 #include "../diagram/chart_arc.hpp"
 #include "../diagram/minimization_diagram.hpp"
+#include "../lift/face_loops.hpp"
 #include "../lift/mixed_arc.hpp"
 
 namespace vcell {
@@ -19,7 +20,8 @@ namespace vcell {
 /// Errors bound truncation (proven, quadrature.hpp), rounding (first order, doubled) and the effect of the
 /// vertices' and arcs' own position errors. base_area has a relative error of 2^-49.
 void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                         const ChartArcs& arcs, const MixedArcs& mixed, Cell& cell, unsigned threads);
+                         const ChartArcs& arcs, const MixedArcs& mixed, const FaceLoops& loops, Cell& cell,
+                         unsigned threads);
 
 /// Fills in face areas, edge lengths, neighbors and all measures of a cell that is otherwise lifted: its
 /// edges have the diagram's numbers and space curves made of Bezier spans, and face i is the i-th face of the

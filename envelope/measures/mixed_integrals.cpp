@@ -23,9 +23,7 @@ using std::sqrt;
 
 using roundoff::u;
 
-PowerSpan power_span(const MixedSpan& span) {
-    return PowerSpan({span.points.data(), span.degree + 1u}, span.points[0].head<3>());
-}
+PowerSpan power_span(ControlPoints span) { return PowerSpan(span, span.front().head<3>()); }
 
 // ---- Circular forms: the fields of measures.cpp -----------------------------------------------------
 
@@ -179,34 +177,34 @@ struct WallIntegrand {
 
 }  // namespace
 
-FaceIntegrals face_integrals(const CircularForm& f, const Vector2d& origin, const MixedSpan& span) {
+FaceIntegrals face_integrals(const CircularForm& f, const Vector2d& origin, ControlPoints span) {
     return integrals(CircularIntegrand(f, origin), power_span(span));
 }
 
-FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, const MixedSpan& span) {
-    MixedSpan moved = span;
+FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, ControlPoints span) {
+    std::array<Eigen::Vector4d, PowerSpan::largest_degree + 1> controls;
+    const std::span moved(controls.begin(), span.size());
+    std::ranges::copy(span, moved.begin());
     double far = 0;
-    for (int k = 0; k <= span.degree; ++k)
-        far = std::max(far, span.points[k].head<2>().norm() + frame.origin().norm());
+    for (const Eigen::Vector4d& p : span) far = std::max(far, p.head<2>().norm() + frame.origin().norm());
     const CylinderHeight& height = frame.height();
     if (frame.eps() * extent > 0.5) {
         const Vector3d& c = height.point();
         const double along = (c.z() + height.rho()) / height.axis().z();
         const Vector2d tip = c.head<2>() - along * height.axis().head<2>();
-        for (int k = 0; k <= span.degree; ++k) moved.points[k].head<2>() -= tip;
+        for (Eigen::Vector4d& p : moved) p.head<2>() -= tip;
         return integrals(
             ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.axis().z())),
             power_span(moved));
     }
-    for (int k = 0; k <= span.degree; ++k)
-        moved.points[k].head<2>() = frame.turned(span.points[k].head<2>() - frame.origin());
+    for (Eigen::Vector4d& p : moved) p.head<2>() = frame.turned(p.head<2>() - frame.origin());
     return integrals(CylinderIntegrand(frame, 4 * far), power_span(moved));
 }
 
-Integral space_length(const MixedSpan& span) { return span_integrals::length(power_span(span)); }
+Integral space_length(ControlPoints span) { return span_integrals::length(power_span(span)); }
 
-Integral wall_area(const MixedSpan& span) {
-    const Vector2d chord = (span.points[span.degree] - span.points[0]).head<2>();
+Integral wall_area(ControlPoints span) {
+    const Vector2d chord = (span.back() - span.front()).head<2>();
     std::array<Integral, 1> sum{};
     integrate(power_span(span), WallIntegrand{chord.normalized()}, sum);
     return sum[0];

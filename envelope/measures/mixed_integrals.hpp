@@ -9,11 +9,16 @@
 /// Near the cone's tip, where mu = 0, directions about it take the place of (u, v).
 #pragma once
 
+#include <Eigen/Core>
+#include <span>
+
 #include "../lift/cylinder_patch.hpp"
-#include "../lift/mixed_span.hpp"
 #include "span_integrals.hpp"
 
 namespace vcell {
+
+/// Control points (x, y, height, w) of a rational Bezier span, w divided out, canonical.
+using ControlPoints = std::span<const Eigen::Vector4d>;
 
 /// The share of a boundary span, in its own direction, with the face on its left.
 struct FaceIntegrals {
@@ -21,13 +26,13 @@ struct FaceIntegrals {
 };
 
 /// Over a circular form, about a point `origin` near the face; area of the surface.
-FaceIntegrals face_integrals(const CircularForm& f, const Eigen::Vector2d& origin, const MixedSpan& span);
+FaceIntegrals face_integrals(const CircularForm& f, const Eigen::Vector2d& origin, ControlPoints span);
 /// Over a cylinder. `extent`: within which all the face's boundary is of the frame's origin. Where the cone's
 /// tip is as near, the integrals are taken from the tip.
-FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, const MixedSpan& span);
+FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, ControlPoints span);
 
-Integral space_length(const MixedSpan& span);
+Integral space_length(ControlPoints span);
 /// The area between a span over a side of the region and its foot.
-Integral wall_area(const MixedSpan& span);
+Integral wall_area(ControlPoints span);
 
 }  // namespace vcell
