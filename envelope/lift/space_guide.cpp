@@ -230,7 +230,7 @@ std::optional<Vec2> ArcGuide::bisect(const Vec2& q, const Piece& piece) const {
     const auto is_left_nearer = [&](double s) {
         const Vec2 p = q + s * d;
         const Vec3 foot = chart_.foot(p), normal = chart_.normal(p);
-        if (equations_[2].is_quadric()) return equations_[2](met(1, foot, normal)) > 0;
+        if (equations_.has_difference()) return equations_[2](met(1, foot, normal)) > 0;
         // Negative or infinite distances are those of rays that do not get there.
         return 1 / equations_[1].distance_along(foot, normal) >
                1 / equations_[equations_.right].distance_along(foot, normal);
@@ -250,7 +250,7 @@ std::optional<Vec2> ArcGuide::approach(Vec2 q, const Vec2& direction) const {
     for (int i = 0; i < enough; ++i) {
         const Vec3 f = chart_.foot(q), w = chart_.normal(q);
         const Vec3 moving = chart_.foot(direction), turning = chart_.normal_derivative(q, direction);
-        if (equations_[2].is_quadric()) {
+        if (equations_.has_difference()) {
             // Along the left one's bisector.
             const Vector4d X = met(1, f, w), g = equations_[1].gradient(X), h = equations_[2].gradient(X);
             const Vec3 across = X[3] * turning + moving;

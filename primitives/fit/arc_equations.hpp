@@ -89,8 +89,7 @@ struct SpanPolynomials {
     double size() const { return largest[0] + largest[1] + largest[2] + largest[3]; }
 };
 
-// G(X) and its derivatives, of a round object (the base too), of a ball over a base plane or of something
-// plane.
+// G(X) and its derivatives: of a round object (the base too), of something plane, or any quadric.
 class Equation {
 public:
     // The distance from a point or an axis is rho + kappa r, r = t - R0: kappa = -1 where one of the object
@@ -150,52 +149,65 @@ public:
         return e;
     }
 
-    // A ball over a base plane, with z = t: the paraboloid |(x, y) - c|^2 + (c_z - rho) (c_z + rho) = 2 (c_z
-    // + rho) t, over the length of its gradient above `near`. Unlike distances it tells a ball next to the
-    // base from the base.
-    static Equation paraboloid(const Vec3& center, double rho, const Vec3& near) {
-        Equation e;
-        e.is_paraboloid_ = true;
-        e.axis_ = Vec3::UnitZ();
-        e.point_ = {center.x(), center.y(), 0};
-        e.width_ = center.z() + rho;
-        e.behind_ = center.z() - rho;
-        e.reach_ = e.point_.norm();
-        e.scale_ = 0.5 / std::hypot(e.across(near - e.point_).norm(), e.width_);
-        return e;
-    }
-
-    // G of the right one of two round objects less that of the left one, which are all but the same: what
-    // tells them apart hardly turns.
-    static Equation difference(const Equation& left, const Equation& right) {
-        Equation e;
-        e.pair_ = std::make_shared<const Pair>(Pair{left, right});
-        e.kappa_ = 0;
-        return e;
-    }
-    // A quadric through the arc, over the length of its gradient at `near`.
-    static Equation quadric(const SpaceQuadric& quadric, const Vector4d& near) {
+    // A quadric of (p - center, t) that the arc lies on, over the length of its gradient at `near`.
+    static Equation quadric(const SpaceQuadric& quadric, const Vector4d& near,
+                            const Vec3& center = Vec3::Zero()) {
         Equation e;
         e.quadric_ = std::make_shared<const SpaceQuadric>(quadric);
-        e.kappa_ = e.scale_ = 1;
+        e.point_ = center;
+        e.reach_ = center.norm();
+        e.bend_ = std::min(quadric.M.norm(), quadric.M.cwiseAbs().rowwise().sum().maxCoeff());
+        e.scale_ = 1;
         e.scale_ = 1 / e.gradient(near).norm();
         return e;
     }
-    bool is_quadric() const { return quadric_ != nullptr; }
+    // A ball over a base plane, with z = t: |(x, y) - c|^2 + (c_z - rho) (c_z + rho) = 2 (c_z + rho) t.
+    // Unlike distances it tells a ball next to the base from the base.
+    static Equation paraboloid(const Vec3& center, double rho, const Vec3& near) {
+        const double width = center.z() + rho;
+        SpaceQuadric q;
+        q.M(0, 0) = q.M(1, 1) = 1;
+        q.l[3] = -2 * width;
+        q.k = width * (center.z() - rho);
+        return quadric(q, {near.x(), near.y(), 0, 0}, {center.x(), center.y(), 0});
+    }
+    // Of two round objects, which are all but the same: with G S = Q, S = d + kappa t + delta, what Q of the
+    // right one is less than that of the left one hardly turns. Its numbers are differences of points, axes
+    // and radii, and known as these are.
+    static Equation difference(const Equation& left, const Equation& right, const Vector4d& near) {
+        const Vec3 way = right.point_ - left.point_,
+                   axis = left.axis_.dot(right.axis_) < 0 ? Vec3(-left.axis_) : left.axis_,
+                   tilt = right.axis_ - axis, axes = axis + right.axis_;
+        const double grown = right.delta_ - left.delta_, along = axes.dot(way), aside = tilt.dot(way);
+        SpaceQuadric q;
+        q.M.topLeftCorner<3, 3>() = -0.5 * (tilt * axes.transpose() + axes * tilt.transpose());
+        q.l << -2 * way + 0.5 * (along * axes + aside * tilt), -2 * left.kappa_ * grown;
+        q.k = -grown * (left.delta_ + right.delta_) - 0.25 * along * aside;
+        Equation e = quadric(q, near, 0.5 * (left.point_ + right.point_));
+        e.is_rounded_ = true;
+        // About the difference of the distances: over its small gradient what rounding leaves of it would
+        // look like a span that is far off.
+        e.scale_ = 0.5 / left.from_axis(near).norm();
+        e.delta_ = std::abs(left.delta_) + std::abs(right.delta_);
+        e.reach_ = left.reach_ + right.reach_;
+        return e;
+    }
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
     static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
         constexpr double share = 0.125;  // only how fast proofs go depends on this
         if (!a.is_round_ || !b.is_round_ || a.kappa_ != b.kappa_ || a.sine_ + b.sine_ > 0) return false;
         if ((a.axis_ == Vec3::Zero()) != (b.axis_ == Vec3::Zero())) return false;
         const double da = a.from_axis(X).norm(), db = b.from_axis(X).norm();
-        return turn(a, b, X, 0) < share * (1 / da + 1 / db);
+        return turn(a, b, X) < share * (1 / da + 1 / db);
     }
 
+    bool is_quadric() const { return quadric_ != nullptr; }
+
     double operator()(const Vector4d& X) const {
-        if (pair_) return right()(X) - left()(X);
-        if (quadric_) return scale_ * (X.dot(quadric_->M * X + quadric_->l) + quadric_->k);
-        if (is_paraboloid_)
-            return scale_ * (across(X.head<3>() - point_).squaredNorm() + width_ * (behind_ - 2 * X[3]));
+        if (quadric_) {
+            const Vector4d Y = from_center(X);
+            return scale_ * (Y.dot(quadric_->M * Y + quadric_->l) + quadric_->k);
+        }
         const Vec3 m = X.head<3>() - point_;
         const double distance = !is_round_  ? axis_.dot(m)
                                 : sine_ > 0 ? spread_ * across(m).norm() - lean_.dot(m)
@@ -204,21 +216,14 @@ public:
     }
     // The lengths that enter G at X.
     double size(const Vector4d& X) const {
-        if (pair_) return left().size(X) + right().size(X);
-        if (quadric_) return terms(X.cwiseAbs());
-        if (is_paraboloid_) return paraboloid_size(across(X.head<3>() - point_).norm(), X[3]);
+        if (quadric_) return terms(from_center(X).cwiseAbs());
         return X.head<3>().norm() + std::abs(X[3]) + reach_;
     }
 
     // (g, -kappa)
     Vector4d gradient(const Vector4d& X) const {
-        if (pair_) return right().gradient(X) - left().gradient(X);
+        if (quadric_) return scale_ * (2 * (quadric_->M * from_center(X)) + quadric_->l);
         Vector4d result;
-        if (quadric_) return scale_ * (2 * (quadric_->M * X) + quadric_->l);
-        if (is_paraboloid_) {
-            result << 2 * scale_ * across(X.head<3>() - point_), -2 * scale_ * width_;
-            return result;
-        }
         Vec3 g = is_round_ ? Vec3(across(X.head<3>() - point_).normalized()) : axis_;
         if (sine_ > 0) g = spread_ * g - lean_;
         result << g, -kappa_;
@@ -227,32 +232,28 @@ public:
     // How fast G falls along the normal of a base plane where it is linear in z or in t, and in that alone;
     // else 0.
     double fall() const {
-        return is_paraboloid_ ? 2 * scale_ * width_ : is_round_ || kappa_ != 0 ? 0 : -axis_.z();
+        if (quadric_) return quadric_->M.bottomRows<2>().isZero() ? -scale_ * quadric_->l[3] : 0;
+        return is_round_ || kappa_ != 0 ? 0 : -axis_.z();
     }
-    // How far what is within `room` of the hull of the points is from X, across the axis, if there is one.
+    // How far what is within `room` of the hull of the points is from X, across the axis, if there is one;
+    // where a quadric bends, as far as it bends.
     double reach(const Vector4d& X, const Points& points, double room) const {
-        if (!is_round_ && !is_paraboloid_ && !pair_ && !quadric_) return 0;
+        if (quadric_ ? bend_ == 0 : !is_round_) return 0;
         double squared = 0;
-        if (quadric_) {
-            for (int k = 0; k < points.cols(); ++k)
-                squared = std::max(squared, (points.col(k).head<4>() - X).squaredNorm());
-            return std::sqrt(squared) + room;
+        for (int k = 0; k < points.cols(); ++k) {
+            const Vector4d way = points.col(k).head<4>() - X;
+            squared = std::max(squared, quadric_ ? (quadric_->M * way).squaredNorm() / (bend_ * bend_)
+                                                 : across(way.head<3>()).squaredNorm());
         }
-        for (int k = 0; k < points.cols(); ++k)
-            squared = std::max(squared, across(points.col(k).head<3>() - X.head<3>()).squaredNorm());
         return std::sqrt(squared) + room;
     }
     // How far the gradient may be from its computed value at X, within a reach.
     double variation(const Vector4d& X, double reach) const {
-        if (pair_)
-            return std::min(
-                turn(left(), right(), X, reach) * reach + left().variation(X, 0) + right().variation(X, 0),
-                left().variation(X, reach) + right().variation(X, reach));
-        if (quadric_)
+        if (quadric_) {
+            const double far = from_center(X).norm() + reach_, numbers = is_rounded_ ? 2 * far : 0;
             return scale_ *
-                   (2 * quadric_->M.norm() * (reach + rounding * X.norm()) + rounding * quadric_->l.norm());
-        if (is_paraboloid_)
-            return 2 * scale_ * (reach + rounding * (across(X.head<3>() - point_).norm() + reach_ + width_));
+                   (2 * bend_ * (reach + rounding * far) + rounding * (quadric_->l.norm() + numbers));
+        }
         if (!is_round_) return rounding + blur_;
         const double d = across(X.head<3>() - point_).norm(), s = reach / d;
         if (!(s < 1)) return infinity;
@@ -260,17 +261,11 @@ public:
     }
     // Bounds |Hess G| within a reach that is less than what makes variation() infinite.
     double curvature_bound(const Vector4d& X, double reach) const {
-        if (pair_)
-            return std::min(turn(left(), right(), X, reach),
-                            left().curvature_bound(X, reach) + right().curvature_bound(X, reach));
-        if (is_paraboloid_) return 2 * scale_;
-        if (quadric_) return 2 * scale_ * quadric_->M.norm();
+        if (quadric_) return 2 * scale_ * bend_;
         return is_round_ ? 1 / (across(X.head<3>() - point_).norm() - reach) : 0;
     }
     // The second derivative in the direction T.
     double second(const Vector4d& X, const Vector4d& T) const {
-        if (pair_) return right().second(X, T) - left().second(X, T);
-        if (is_paraboloid_) return 2 * scale_ * across(T.head<3>()).squaredNorm();
         if (quadric_) return 2 * scale_ * T.dot(quadric_->M * T);
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
@@ -285,17 +280,8 @@ public:
     //                                 (- (axis.(p - point))^2),
     // and in a cone spread^2 d^2 - (lean.(p - point) + kappa t + delta)^2.
     double residual(const SpanPolynomials& span) const {
-        if (pair_) return difference_residual(span);
         if (quadric_) return quadric_residual(span);
         const Vec3 m = point_ - span.foot;
-        if (is_paraboloid_) {
-            const Bernstein<10> Q = vcell::square(span.X[0]) + vcell::square(span.X[1]) +
-                                    raised<10>(span.linear(-2 * across(m), -2 * width_,
-                                                           across(m).squaredNorm() + width_ * behind_));
-            const double away = span.largest[0] + span.largest[1] + across(m).norm();
-            return scale_ * QuinticNodes::get().largest(Q) +
-                   rounding * (paraboloid_size(away, span.largest[3]) + scale_ * away * span.foot.norm());
-        }
         if (!is_round_)
             return span.linear(axis_, -kappa_, -(axis_.dot(m) + delta_)).largest() +
                    (rounding + blur_) * (span.size() + reach_ + span.foot.norm());
@@ -305,11 +291,11 @@ public:
 
     // t where the ray from a foot point f along the unit normal w meets G = 0, by the quadratic of
     // primitives/forms/radial_form.hpp; whatever it yields where the ray does not. Pre: kappa is -1 of a
-    // vessel only.
+    // vessel only, and a quadric is a paraboloid.
     template <class T>
     T distance_along(const std::array<T, 3>& f, const std::array<T, 3>& w) const {
         const std::array<T, 3> m = from_point(f);
-        if (is_paraboloid_) return (square(m[0]) + square(m[1])) / T(2 * width_) + T(0.5 * behind_);
+        if (quadric_) return (square(m[0]) + square(m[1]) + T(quadric_->k)) / T(-quadric_->l[3]);
         if (!is_round_) return (dot(axis_, m) - T(delta_)) / (T(kappa_) - dot(axis_, w));
         const Quadratic<T> q = quadratic(m, w);
         return q.C / (q.beta + q.root());
@@ -324,10 +310,10 @@ public:
     Interval doubt_along(const std::array<Interval, 3>& f, const std::array<Interval, 3>& w,
                          const Interval& t) const {
         const std::array<Interval, 3> m = from_point(f);
-        if (is_paraboloid_) {
-            const double away = sqrt(square(m[0]) + square(m[1])).upper();
-            return Interval::ball(0, rounding * paraboloid_size(away, t.magnitude())) / Interval(fall());
-        }
+        if (quadric_)
+            return Interval::ball(0,
+                                  rounding * terms({m[0].magnitude(), m[1].magnitude(), 0, t.magnitude()})) /
+                   Interval(fall());
         double size = 2 * t.magnitude() + reach_;
         for (const Interval& x : f) size += x.magnitude();
         const Interval change = Interval::ball(0, (rounding + blur_) * size);
@@ -339,62 +325,36 @@ public:
     }
 
 private:
-    using Pair = std::array<Equation, 2>;
-    const Equation& left() const { return (*pair_)[0]; }
-    const Equation& right() const { return (*pair_)[1]; }
-
-    // Bounds how fast the difference of the unit vectors of two balls or two tubes turns, per length, within
-    // a reach of X; infinite if it cannot tell. As in scene_motion.cpp: a unit vector's derivative is the
-    // projection across it, or on what is across it and the axis, over the distance. What is within half of
-    // the lesser distance is that far, h, from both; the ways from centres or axes differ there by b = apart
-    // + tilt h at most, the projections by tilt + b / h, and the distances' reciprocals by b / h^2.
-    static double turn(const Equation& left, const Equation& right, const Vector4d& X, double reach) {
+    // How fast the difference of the unit vectors of two balls or two tubes turns at X, per length, at most.
+    // As in scene_motion.cpp: a unit vector's derivative is the projection across it, or on what is across it
+    // and the axis, over the distance. Half of the lesser distance away from X both are h off; the ways from
+    // centres or axes differ there by b = apart + tilt h at most, the projections by tilt + b / h, and the
+    // distances' reciprocals by b / h^2.
+    static double turn(const Equation& left, const Equation& right, const Vector4d& X) {
         const Vec3 a = left.from_axis(X), b = right.from_axis(X);
         const double h = 0.5 * std::min(a.norm(), b.norm());
-        if (!(reach < h)) return infinity;
         const double tilt = std::min((left.axis_ - right.axis_).norm(), (left.axis_ + right.axis_).norm()) +
                             rounding,
                      apart = (b - a).norm() + rounding * (left.size(X) + right.size(X));
         return (tilt + 2 * (apart + tilt * h) / h) / h;
     }
-    // With S = d + kappa t + delta, G S = Q:
-    //     Q_b - Q_a = (G_b - G_a) (S_b + G_a) + 2 G_a (delta_b - delta_a).
-    // The difference of the polynomials has differences of points, axes and radii as factors. What rounding
-    // has changed about each object counts as it does at a point; axes are unit vectors but for some 8 u of
-    // their squares.
-    double difference_residual(const SpanPolynomials& span) const {
-        const Equation &a = left(), &b = right();
-        const double G = a.residual(span), sum = b.least_sum(span, b.quadric_bound(span)) - G;
-        if (!(sum > 0)) return infinity;
-        const Vec3 m = 0.5 * ((a.point_ - span.foot) + (b.point_ - span.foot)), way = b.point_ - a.point_;
-        const double grown = b.delta_ - a.delta_, deltas = a.delta_ + b.delta_,
-                     size = span.size() + a.reach_ + b.reach_;
-        Bernstein<10> Q =
-            raised<10>(span.linear(-2 * way, -2 * a.kappa_ * grown, 2 * way.dot(m) - grown * deltas));
-        double rounded = rounding * size * (way.norm() + std::abs(grown));
-        if (a.axis_ != Vec3::Zero()) {
-            const Vec3 axis = a.axis_.dot(b.axis_) < 0 ? Vec3(-a.axis_) : a.axis_, tilt = b.axis_ - axis,
-                       axes = axis + b.axis_;
-            // The difference and the sum of the ways along the axes, from points half of `way` from m.
-            const Bernstein<5> D = span.linear(tilt, 0, -(tilt.dot(m) + 0.5 * axes.dot(way))),
-                               S = span.linear(axes, 0, -(axes.dot(m) + 0.5 * tilt.dot(way)));
-            Q = Q - D * S;
-            rounded +=
-                rounding * square(size) * tilt.norm() + 4 * u * (square(D.largest()) + square(S.largest()));
-        }
-        return (QuinticNodes::get().largest(Q) + rounded + 2 * G * std::abs(grown)) / sum +
-               rounding * (2 * span.size() + a.reach_ + b.reach_);
-    }
 
-    // The sum of the absolute values of a quadric's terms, where those of X are these or less.
+    Vector4d from_center(const Vector4d& X) const {
+        return {X[0] - point_.x(), X[1] - point_.y(), X[2] - point_.z(), X[3]};
+    }
+    // The sum of the absolute values of a quadric's terms, where those of (p - center, t) are these or less,
+    // and what rounding of the center adds. Where the numbers are rounded it is what they are of two objects
+    // at the distance t + delta: what moves these counts twice that distance.
     double terms(const Vector4d& sizes) const {
-        return scale_ *
-               (sizes.dot(quadric_->M.cwiseAbs() * sizes + quadric_->l.cwiseAbs()) + std::abs(quadric_->k));
+        const double sum = sizes.sum(), moved = is_rounded_ ? 2 * (sizes[3] + delta_) * (sum + reach_)
+                                                            : 2 * bend_ * sum * reach_;
+        return scale_ * (sizes.dot(quadric_->M.cwiseAbs() * sizes + quadric_->l.cwiseAbs()) +
+                         std::abs(quadric_->k) + moved);
     }
     double quadric_residual(const SpanPolynomials& span) const {
         const Matrix4d& M = quadric_->M;
         Vector4d foot = Vector4d::Zero(), sizes;
-        foot.head<3>() = span.foot;
+        foot.head<3>() = span.foot - point_;
         const Vector4d slope = 2 * (M * foot) + quadric_->l;
         Bernstein<10> Q = raised<10>(
             span.linear(slope.head<3>(), slope[3], foot.dot(M * foot + quadric_->l) + quadric_->k));
@@ -468,22 +428,16 @@ private:
     }
     Vec3 across(const Vec3& m) const { return m - axis_.dot(m) * axis_; }
 
-    // The terms of G at a distance `away` from the paraboloid's axis.
-    double paraboloid_size(double away, double t) const {
-        return scale_ * (away * (away + reach_) + width_ * (width_ + std::abs(behind_) + 2 * std::abs(t)));
-    }
-
-    bool is_round_ = false, is_paraboloid_ = false;
+    bool is_round_ = false, is_rounded_ = false;  // is_rounded_: the numbers of a quadric are
     double kappa_ = 1, sense_ = 1;
     double delta_ = 0;
     double reach_ = 0;
     double blur_ = 0;
     double spread_ = 1, sine_ = 0;                     // of cones
     Vec3 lean_ = Vec3::Zero();                         // likewise
-    double width_ = 0, behind_ = 0, scale_ = 0;        // paraboloid: c_z + rho, c_z - rho
+    double scale_ = 0, bend_ = 0;                      // of a quadric; at least |M|
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
-    std::shared_ptr<const Pair> pair_;                 // of a difference, which has nothing else
-    std::shared_ptr<const SpaceQuadric> quadric_;      // of a quadric, which has a scale only
+    std::shared_ptr<const SpaceQuadric> quadric_;      // which has a center, a reach and a scale only
 };
 
 // The gradients of an arc's equations at a point, and its direction there.
@@ -513,6 +467,8 @@ struct ArcEquations {
 
     const Equation& operator[](int i) const { return equations[i]; }
     bool is_replaced() const { return right > 2; }
+    // Is it the difference of the sites?
+    bool has_difference() const { return is_replaced() && equations[2].is_quadric(); }
 
     // Where the sites are all but alike at X their equations depend on each other so nearly that each alone
     // would be told from the other on the shortest of spans only: the difference takes the right one's place.
@@ -520,7 +476,7 @@ struct ArcEquations {
         if (is_replaced() || !Equation::are_alike(equations[1], equations[2], X)) return;
         right = 3;
         equations[3] = equations[2];
-        equations[2] = Equation::difference(equations[1], equations[3]);
+        equations[2] = Equation::difference(equations[1], equations[3], X);
     }
 
     // Twins' quadric tells them apart to a part of their difference.
