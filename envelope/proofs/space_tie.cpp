@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "../../primitives/bisectors/quadratic_form.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 
 namespace vcell {
@@ -27,32 +28,16 @@ OneRoot value(const Row& q, std::span<const OneRoot> x) {
     return sum;
 }
 
-using Conic = std::array<std::array<Exact, 3>, 3>;
-
-// Twice the conic, as a matrix.
-Conic matrix(const Row& q) {
-    Conic m;
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) m[i][j] = i == j ? 2.0 * q[term(3, i, i)] : q[term(3, i, j)];
-    return m;
-}
-
-// The adjugate of a symmetric matrix, which is symmetric, too.
-Conic adjugate(const Conic& m) {
-    Conic a;
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::size_t r = (i + 1) % 3, s = (i + 2) % 3, u = (j + 1) % 3, v = (j + 2) % 3;
-            a[i][j] = m[r][u] * m[s][v] - m[r][v] * m[s][u];
-        }
-    return a;
+QuadraticForm conic(const Row& q) {
+    constexpr std::array<std::size_t, 3> all{0, 1, 2};
+    return QuadraticForm::twice(q, 3, all);
 }
 
 // Trace of a product of symmetric matrices.
-Exact trace(const Conic& a, const Conic& b) {
+Exact trace(const QuadraticForm& a, const QuadraticForm& b) {
     Exact sum;
     for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) sum += a[i][j] * b[i][j];
+        for (std::size_t j = 0; j < 3; ++j) sum += a(i, j) * b(i, j);
     return sum;
 }
 
@@ -216,8 +201,8 @@ std::vector<SpacePoint> SpaceTie::tangencies() const {
     if (is_empty_) return {};
     if (dimension_ == 1 && quadrics_.size() == 1) return roots(quadrics_[0], true);
     if (dimension_ != 2 || quadrics_.size() != 2) return {};
-    const Conic A = matrix(quadrics_[0]), B = matrix(quadrics_[1]);
-    const Conic adj_A = adjugate(A), adj_B = adjugate(B);
+    const QuadraticForm A = conic(quadrics_[0]), B = conic(quadrics_[1]), adj_A = adjugate(A),
+                        adj_B = adjugate(B);
     // det (x A + y B), times 3.
     const auto root =
         multiple_root({trace(adj_B, B), 3.0 * trace(adj_B, A), 3.0 * trace(adj_A, B), trace(adj_A, A)});
@@ -226,11 +211,15 @@ std::vector<SpacePoint> SpaceTie::tangencies() const {
     for (std::size_t i = 0; i < member.size(); ++i)
         member[i] = (*root)[0] * quadrics_[0][i] + (*root)[1] * quadrics_[1][i];
     divide_by_common_factor(member);
-    const Conic M = matrix(member), adj_M = adjugate(M);
-    const auto is_nonzero = [](const std::array<Exact, 3>& row) {
-        return std::ranges::any_of(row, [](const Exact& c) { return !is_zero(c); });
+    const QuadraticForm M = conic(member);
+    const auto row_of = [](const QuadraticForm& form) -> std::optional<Row> {  // the first that is not zero
+        for (std::size_t i = 0; i < 3; ++i) {
+            Row row{form(i, 0), form(i, 1), form(i, 2)};
+            if (std::ranges::any_of(row, [](const Exact& c) { return !is_zero(c); })) return row;
+        }
+        return std::nullopt;
     };
-    if (const auto kernel = std::ranges::find_if(adj_M, is_nonzero); kernel != adj_M.end()) {
+    if (const auto kernel = row_of(adjugate(M))) {
         std::vector<OneRoot> y;
         for (const Exact& c : *kernel) y.push_back({c, {}, {}});
         for (const Row& q : quadrics_)
@@ -238,10 +227,10 @@ std::vector<SpacePoint> SpaceTie::tangencies() const {
         if (is_zero(y[2])) return {};
         return {to_space(y)};
     }
-    const auto line = std::ranges::find_if(M, is_nonzero);
-    if (line == M.end()) return {};
+    const auto line = row_of(M);
+    if (!line) return {};
     SpaceTie on_line = *this;
-    if (!on_line.impose(Row(line->begin(), line->end()))) return {};
+    if (!on_line.impose(*line)) return {};
     // The member is zero on the line now, so the two are multiples of each other.
     const auto other = std::ranges::find_if(on_line.quadrics_, [](const Row& q) {
         return std::ranges::any_of(q, [](const Exact& c) { return !is_zero(c); });

@@ -199,6 +199,18 @@ LinearFunction combination(const Exact& a, const LinearFunction& f, const Exact&
 
 }  // namespace
 
+QuadraticForm QuadraticForm::twice(const space_quadrics::Quadric& quadric, std::size_t variables,
+                                   std::span<const std::size_t> used) {
+    const std::size_t n = used.size();
+    QuadraticForm form(n);
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j) {
+            const Exact& c = quadric[space_quadrics::term(variables, used[i], used[j])];
+            form.entries_[i * n + j] = i == j ? c + c : c;
+        }
+    return form;
+}
+
 void QuadraticForm::add_twice_product(const Exact& c, const LinearFunction& f, const LinearFunction& g) {
     // Most functions of a scene lack most coordinates: products with zero are not made.
     for (std::size_t i = 0; i < size_; ++i)
@@ -248,6 +260,19 @@ QuadraticForm QuadraticForm::restricted(const std::vector<LinearFunction>& basis
         for (std::size_t j = i; j < basis.size(); ++j)
             r.entries_[i * r.size_ + j] = r.entries_[j * r.size_ + i] = polar(basis[i], basis[j]);
     return r;
+}
+
+QuadraticForm adjugate(const QuadraticForm& f) {
+    QuadraticForm result(3);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = i; j < 3; ++j) {
+            const std::size_t a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+            LinearFunction ei(3), ej(3);
+            ei[i] = ej[j] = 1.0;
+            const Exact cofactor = f(a, c) * f(b, d) - f(a, d) * f(b, c);
+            result.add_twice_product((i == j ? 0.5 : 1.0) * cofactor, ei, ej);
+        }
+    return result;
 }
 
 std::vector<LinearFunction> kernel(const LinearFunction& f) {

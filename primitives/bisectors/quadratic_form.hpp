@@ -6,10 +6,13 @@
 /// Everything is exact.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "../../core/numbers/exact.hpp"
+#include "../forms/space_quadrics.hpp"
 
 namespace vcell {
 
@@ -19,6 +22,10 @@ using LinearFunction = std::vector<Exact>;  ///< sum of f[i] X[i] over homogeneo
 class QuadraticForm {
 public:
     explicit QuadraticForm(std::size_t size) : size_(size), entries_(size * size) {}
+    /// Twice the value of a quadric of space_quadrics.hpp, as a form in those of its variables that `used`
+    /// names.
+    static QuadraticForm twice(const space_quadrics::Quadric& quadric, std::size_t variables,
+                               std::span<const std::size_t> used);
 
     std::size_t size() const { return size_; }
     const Exact& operator()(std::size_t i, std::size_t j) const { return entries_[i * size_ + j]; }
@@ -38,6 +45,9 @@ private:
     std::size_t size_;
     std::vector<Exact> entries_;
 };
+
+/// Pre: the size is 3. F adj(F) = det(F).
+QuadraticForm adjugate(const QuadraticForm& form);
 
 /// A basis of { X : f(X) = 0 }. Pre: f is not zero.
 std::vector<LinearFunction> kernel(const LinearFunction& f);

@@ -42,20 +42,6 @@ Exact determinant(const std::array<std::array<Exact, 3>, 3>& m) {
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-// Adjugate of a symmetric 3 x 3 form: F adj(F) = det(F).
-QuadraticForm adjugate(const QuadraticForm& f) {
-    QuadraticForm result(3);
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = i; j < 3; ++j) {
-            const std::size_t a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
-            LinearFunction ei(3), ej(3);
-            ei[i] = ej[j] = 1.0;
-            const Exact cofactor = f(a, c) * f(b, d) - f(a, d) * f(b, c);
-            result.add_twice_product((i == j ? 0.5 : 1.0) * cofactor, ei, ej);
-        }
-    return result;
-}
-
 // The vectors whose coordinates in `basis` are those of `inner`.
 Basis combined(const Basis& basis, const Basis& inner) {
     Basis result;
