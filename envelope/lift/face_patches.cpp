@@ -44,7 +44,7 @@ PatchCoordinates coordinates(const RadialPatch& patch, const Object& object, dou
         return {PatchCoordinate::half_angle(patch.origin(), x, y, 0), along};
     }
     if (const auto* cone = std::get_if<HollowCone>(&object))
-        return {PatchCoordinate::cone_half_angle(*cone, z, x, y, radius),
+        return {PatchCoordinate::hollow_half_angle(cone->apex, x, y, radius, z, cone->sine(), cone->cosine()),
                 PatchCoordinate::along_cone(*cone, z, radius)};
     if (const auto* vessel = std::get_if<HollowCylinder>(&object))
         return {PatchCoordinate::hollow_half_angle(patch.origin(), x, y, vessel->radius + radius), along};

@@ -17,20 +17,12 @@ PatchCoordinate PatchCoordinate::half_angle(const Vec3& point, const Vec3& zero,
 }
 
 PatchCoordinate PatchCoordinate::hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
-                                                   double reach) {
+                                                   double reach, const Vec3& axis, double sine,
+                                                   double cosine) {
+    const Vec3 across = cosine * quarter, to_divisor = cosine * zero + sine * axis;
     PatchCoordinate c;
-    c.numerator << quarter, 0, -quarter.dot(point);
-    c.divisor << zero, -1, reach - zero.dot(point);
-    return c;
-}
-
-PatchCoordinate PatchCoordinate::cone_half_angle(const HollowCone& cone, const Vec3& axis, const Vec3& zero,
-                                                 const Vec3& quarter, double radius) {
-    const double S = cone.sine(), K = cone.cosine();
-    const Vec3 to_divisor = K * zero + S * axis;
-    PatchCoordinate c;
-    c.numerator << K * quarter, 0, -K * quarter.dot(cone.apex);
-    c.divisor << to_divisor, -1, radius - to_divisor.dot(cone.apex);
+    c.numerator << across, 0, -across.dot(point);
+    c.divisor << to_divisor, -1, reach - to_divisor.dot(point);
     return c;
 }
 

@@ -22,14 +22,13 @@ struct PatchCoordinate {
     /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
     /// its own `quarter`.
     static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
-    /// half_angle() in a vessel, whose points are reach - t away from the axis.
+    /// half_angle() in a vessel: a tube, whose points are reach - t away from the axis, or a cone of half an
+    /// angle of that sine and cosine with its apex in `point` and the unit vector `axis` on its inside, (sine
+    /// h
+    /// - r) / cosine away from it, h from the apex along it, r = t - reach.
     static PatchCoordinate hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
-                                             double reach);
-
-    /// half_angle() in a cone whose axis is `axis`, unit: (S h - r) / K away from it, h from the apex along
-    /// it, r = t - radius.
-    static PatchCoordinate cone_half_angle(const HollowCone& cone, const Vec3& axis, const Vec3& zero,
-                                           const Vec3& quarter, double radius);
+                                             double reach, const Vec3& axis = Vec3::Zero(), double sine = 0,
+                                             double cosine = 1);
     /// The length (h - S r) / K along such a cone's wall.
     static PatchCoordinate along_cone(const HollowCone& cone, const Vec3& axis, double radius);
 

@@ -59,13 +59,13 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
     } else if (const auto* ball = std::get_if<HollowSphere>(&object)) {
         set_in_sphere(ball->center, ball->radius + problem.chart.radius, ball_power(problem, form), middle);
     } else if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
-        set_in_cylinder(*tube, tube->radius + problem.chart.radius, middle);
+        set_about_object(tube->axis, tube->point, tube->radius + problem.chart.radius, &middle);
     } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
         set_in_cone(*cone, problem.chart.radius, middle);
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
         if (problem.chart.is_sphere())
-            set_about_object(cylinder, cylinder.radius - problem.chart.radius);
+            set_about_object(cylinder.axis, cylinder.point, cylinder.radius - problem.chart.radius);
         else
             set_about_axes(problem, cylinder, middle, y, wide);
     }
@@ -155,16 +155,21 @@ void RadialPatch::set_confocal(const Vec3& z, double length, double delta, doubl
     add(1, 0, weight);
 }
 
-// S = c + v d + t n / W with |S| = t - delta.
-void RadialPatch::set_about_object(const Cylinder& cylinder, double delta) {
+// S = c + v d + r n / W with |S| = r - delta, or with |S| = delta - r from within a vessel: then all of it is
+// negated, and the base lies on the other side.
+void RadialPatch::set_about_object(const Vec3& axis, const Vec3& point, double delta, const Vec3* middle) {
     degree_ = {2, 2};
-    const Vec3 d = cylinder.axis.normalized(), c = cylinder.point - cylinder.point.dot(d) * d;
-    const double length = c.norm(), squared = (length - delta) * (length + delta);
-    const Vec3 outward = c / length;
-    // The base lies on this side: d leaves the cell's inside on the left.
-    set_axes(Kind::AboutObject, -outward, d.cross(outward), c);
+    is_in_tube_ = middle != nullptr;
+    const double side = is_in_tube_ ? -1 : 1;
+    const Vec3 d = axis.normalized(), c = point - point.dot(d) * d,
+               x = is_in_tube_ ? across(d, *middle) : Vec3(-c.normalized());
+    // d leaves the cell's inside on the left, or on the right.
+    set_axes(Kind::AboutObject, x, -side * d.cross(x), c);
     along_ = d;
-    const Polynomial w{length - delta, 0, -(length + delta)}, half{0.5 * squared, 0, 0.5};
+    const double length = c.norm(), squared = side * (length - delta) * (length + delta);
+    const double cx = is_in_tube_ ? c.dot(x) : -length, cy = is_in_tube_ ? c.dot(axes_[1]) : 0;
+    const Polynomial w{-side * (cx + delta), -side * 2 * cy, side * (cx - delta)},
+        half{0.5 * squared, 0, side * 0.5};
     add(w, one, vector(c) + weight);
     add(w, linear, vector(d));
     add(angle_cos, half, vector(axes_[0]));

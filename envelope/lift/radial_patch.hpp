@@ -185,9 +185,9 @@ private:
     void set_paraboloid(double distance, const Vec3& normal, double radius);
     void set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle, bool wide);
     void set_confocal(const Vec3& z, double length, double delta, double power, const Vec3& middle);
-    void set_about_object(const Cylinder& cylinder, double delta);
+    /// middle: where the face of a hollow tube is; of others null.
+    void set_about_object(const Vec3& axis, const Vec3& point, double delta, const Vec3* middle = nullptr);
     void set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle);
-    void set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle);
     void set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle);
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C,
                         double start = 0);

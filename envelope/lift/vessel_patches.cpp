@@ -28,23 +28,6 @@ void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const
     add(0, 2, -pole);
 }
 
-// S = c + v d + r n / W with |S| = delta - r: r = (delta^2 - |c|^2 - v^2) W / (2 (delta W + c.n)).
-void RadialPatch::set_in_cylinder(const HollowCylinder& vessel, double delta, const Vec3& middle) {
-    degree_ = {2, 2};
-    is_in_tube_ = true;
-    const Vec3 axis = vessel.axis.normalized(), c = vessel.point - vessel.point.dot(axis) * axis;
-    const double length = c.norm(), squared = (delta - length) * (delta + length);
-    const Vec3 x = across(axis, middle);
-    set_axes(Kind::AboutObject, x, axis.cross(x), c);
-    along_ = axis;
-    const double cx = c.dot(axes_[0]), cy = c.dot(axes_[1]);
-    const Polynomial w{delta + cx, 2 * cy, delta - cx}, half{0.5 * squared, 0, -0.5};
-    add(w, one, vector(c) + weight);
-    add(w, linear, vector(axis));
-    add(angle_cos, half, vector(axes_[0]));
-    add(angle_sin, half, vector(axes_[1]));
-}
-
 void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle) {
     degree_ = {2, 2};
     is_in_tube_ = true;

@@ -8,15 +8,6 @@ namespace vcell::radial_integrals {
 
 using std::sqrt;
 
-namespace {
-
-// The quotient of exact numbers, to rounding. Pre: below != 0.
-double rounded_quotient(const Exact& above, const Exact& below) {
-    return above.enclosure().mid() / below.enclosure().mid();
-}
-
-}  // namespace
-
 ConeFace::ConeFace(const RadialBaseProblem& problem, FormId form, const Around& face) {
     const auto& cone = std::get<HollowCone>(problem.objects[form]);
     const RadialForm& f = problem.family.radial_form(form);
@@ -28,8 +19,8 @@ ConeFace::ConeFace(const RadialBaseProblem& problem, FormId form, const Around& 
     const Vec3 way = -cone.apex;
     h0 = axis.dot(way);
     out = way - h0 * axis;
-    P = rounded_quotient(f.b0, length2);
-    C = rounded_quotient(f.c[0], length2);
+    P = quotient(f.b0, length2);
+    C = quotient(f.c[0], length2);
     length = out.norm();
     const Vec3 from_axis = face.near + out - axis.dot(face.near) * axis;
     const double wide = from_axis.norm();

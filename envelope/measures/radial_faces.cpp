@@ -56,11 +56,6 @@ namespace radial_integrals {
 
 // ---- Cylinders over a sphere ------------------------------------------------------------------------
 
-// A quotient of exact numbers, to rounding. Pre: below != 0.
-static double quotient(const Exact& above, const Exact& below) {
-    return above.enclosure().mid() / below.enclosure().mid();
-}
-
 // K is known to rounding though the base's centre may be next to the object's surface.
 TubeFace::TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face) {
     const RadialForm& f = problem.family.radial_form(form);

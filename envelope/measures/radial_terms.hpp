@@ -13,6 +13,11 @@ namespace vcell::radial_integrals {
 // Rounding of a coordinate, as a part of it, in units of term_rounding.
 inline constexpr double noise = std::numeric_limits<double>::epsilon() / 2 / span_integrals::term_rounding;
 
+/// A quotient of exact numbers, to rounding. Pre: below != 0.
+inline double quotient(const Exact& above, const Exact& below) {
+    return above.enclosure().mid() / below.enclosure().mid();
+}
+
 using Vector = std::array<double, 3>;
 
 inline double dot(const Vec3& a, const Vector& b) { return a.x() * b[0] + a.y() * b[1] + a.z() * b[2]; }

@@ -209,9 +209,7 @@ public:
             return scale_ * (Y.dot(quadric_->M * Y + quadric_->l) + quadric_->k);
         }
         const Vec3 m = X.head<3>() - point_;
-        const double distance = !is_round_  ? axis_.dot(m)
-                                : sine_ > 0 ? spread_ * across(m).norm() - lean_.dot(m)
-                                            : across(m).norm();
+        const double distance = is_round_ ? spread_ * across(m).norm() - lean_.dot(m) : axis_.dot(m);
         return sense_ * (distance - (kappa_ * X[3] + delta_));
     }
     // The lengths that enter G at X.
@@ -224,8 +222,7 @@ public:
     Vector4d gradient(const Vector4d& X) const {
         if (quadric_) return scale_ * (2 * (quadric_->M * from_center(X)) + quadric_->l);
         Vector4d result;
-        Vec3 g = is_round_ ? Vec3(across(X.head<3>() - point_).normalized()) : axis_;
-        if (sine_ > 0) g = spread_ * g - lean_;
+        const Vec3 g = is_round_ ? Vec3(spread_ * across(X.head<3>() - point_).normalized() - lean_) : axis_;
         result << g, -kappa_;
         return sense_ * result;
     }
@@ -318,10 +315,10 @@ public:
         for (const Interval& x : f) size += x.magnitude();
         const Interval change = Interval::ball(0, (rounding + blur_) * size);
         if (!is_round_) return change / (Interval(kappa_) - dot(axis_, w));
-        if (sine_ > 0)
-            return change * (dot(lean_, m) + Interval(delta_) - t * (Interval(1.0) - dot(lean_, w))) /
-                   quadratic(m, w).root();
-        return change * (kappa_ < 0 ? Interval(delta_) - t : t + Interval(delta_)) / quadratic(m, w).root();
+        const Interval along_axis =
+            kappa_ < 0 ? dot(lean_, m) + Interval(delta_) - t * (Interval(1.0) - dot(lean_, w))
+                       : t + Interval(delta_);
+        return change * along_axis / quadratic(m, w).root();
     }
 
 private:
@@ -413,13 +410,12 @@ private:
     Quadratic<T> quadratic(const std::array<T, 3>& m, const std::array<T, 3>& w) const {
         const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
         const T mw = m[0] * w[0] + m[1] * w[1] + m[2] * w[2];
-        if (sine_ > 0) {
+        if (kappa_ < 0) {  // a tube's wall is a cone's with no sine
             const T P = dot(lean_, m) + delta, part = T(square(spread_));
             return {square(P) - part * (square(m[0]) + square(m[1]) + square(m[2]) - square(along)),
                     P * (T(1.0) - dot(lean_, w)) + part * (mw - along * alpha), -square(alpha - T(sine_))};
         }
         const T C = square(m[0]) + square(m[1]) + square(m[2]) - square(along) - square(delta);
-        if (kappa_ < 0) return {-C, mw + delta - along * alpha, -square(alpha)};
         return {C, along * alpha + delta - mw, square(alpha)};
     }
     template <class T>
