@@ -5,12 +5,7 @@
 namespace vcell {
 
 ConicTrim conic_trim(const RadialPatch& patch, const ConicSpan& span) {
-    if (patch.kind() == RadialPatch::Kind::AboutBase) {
-        const auto& [x, y, z] = patch.axes();
-        PatchCoordinate along;
-        along.numerator << patch.along(), 0, patch.along_start();
-        return cubic_trim({PatchCoordinate::half_angle(patch.origin(), x, y, 0), along}, 0, span);
-    }
+    if (patch.kind() == RadialPatch::Kind::AboutBase) return cubic_trim(patch.coordinates(), 0, span);
     const radial::TrimSpan trim(patch, span);
     return {2, {trim.from, trim.middle, trim.to}};
 }

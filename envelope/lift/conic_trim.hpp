@@ -31,10 +31,9 @@ struct TrimSpan {
     Eigen::Vector3d from, middle, to;
 
     TrimSpan(const RadialPatch& patch, const ConicSpan& s) {
-        const RadialPatch::Projection& map = patch.projection();
-        from = map(s.from, 1);
-        middle = map(s.middle, s.weight);
-        to = map(s.to, 1);
+        from = patch.projected(s.from, 1);
+        middle = patch.projected(s.middle, s.weight);
+        to = patch.projected(s.to, 1);
         if (patch.kind() == RadialPatch::Kind::Stereographic) settle_weights(patch.axes()[2], s);
         if (patch.kind() == RadialPatch::Kind::Confocal) settle_parameters(patch, s);
     }

@@ -23,35 +23,6 @@ constexpr double narrowest_sector = 0x1p-10;
 
 using std::numbers::pi;
 
-// The parameters of a point on an object's patch, around a base of that radius.
-PatchCoordinates coordinates(const RadialPatch& patch, const Object& object, double radius) {
-    using Kind = RadialPatch::Kind;
-    const auto& [x, y, z] = patch.axes();
-    if (patch.kind() == Kind::Planar)
-        return {PatchCoordinate::linear(x, patch.origin()), PatchCoordinate::linear(y, patch.origin())};
-    if (patch.kind() == Kind::Confocal) {
-        PatchCoordinate focal;
-        focal.numerator << z, 1, 0;
-        return {focal, PatchCoordinate::linear(y, patch.origin())};
-    }
-    if (patch.kind() == Kind::Stereographic)
-        return {PatchCoordinate::half_angle(patch.origin(), z, x, 0),
-                PatchCoordinate::half_angle(patch.origin(), z, y, 0)};
-    PatchCoordinate along;
-    along.numerator << patch.along(), 0, patch.along_start();
-    if (patch.kind() == Kind::AboutBase) {
-        along.numerator[3] = patch.along_across();  // the distance from the base's axis is t
-        return {PatchCoordinate::half_angle(patch.origin(), x, y, 0), along};
-    }
-    if (const auto* cone = std::get_if<HollowCone>(&object))
-        return {PatchCoordinate::hollow_half_angle(cone->apex, x, y, radius, z, cone->sine(), cone->cosine()),
-                PatchCoordinate::along_cone(*cone, z, radius)};
-    if (const auto* vessel = std::get_if<HollowCylinder>(&object))
-        return {PatchCoordinate::hollow_half_angle(patch.origin(), x, y, vessel->radius + radius), along};
-    const double beyond = std::get<Cylinder>(object).radius - radius;
-    return {PatchCoordinate::half_angle(patch.origin(), x, y, beyond), along};
-}
-
 }  // namespace
 
 FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves,
@@ -220,13 +191,11 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     SpaceSite site{object, is_wall(problem_, form), {}};
     if (!has_patches_ || !diagram_.face_forms[face].valid()) return site;
     if (!is_cut(face)) {
-        site.parts.push_back({.patch = coordinates(patches_[face], object, problem_.chart.radius),
-                              .surface = &patches_[face]});
+        site.parts.push_back({.patch = patches_[face].coordinates(), .surface = &patches_[face]});
         return site;
     }
     for (const Sector& s : sectors_[face])
-        site.parts.push_back(
-            {coordinates(s.patch, object, problem_.chart.radius), {-s.reach(), s.reach()}, &s.patch});
+        site.parts.push_back({s.patch.coordinates(), {-s.reach(), s.reach()}, &s.patch});
     return site;
 }
 

@@ -22,10 +22,9 @@ struct PatchCoordinate {
     /// zero). Likewise for the stereographic coordinates of a direction from `point` about `zero`, each with
     /// its own `quarter`.
     static PatchCoordinate half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter, double delta);
-    /// half_angle() in a vessel: a tube, whose points are reach - t away from the axis, or a cone of half an
-    /// angle of that sine and cosine with its apex in `point` and the unit vector `axis` on its inside, (sine
-    /// h
-    /// - r) / cosine away from it, h from the apex along it, r = t - reach.
+    /// half_angle() in a vessel: a tube, whose points are reach - t away from the axis, or a cone about the
+    /// unit vector `axis` from `point` on, its apex. With S and K the sine and cosine of half its angle
+    /// points are (S h + reach - t) / K away from its axis, h from the apex along it.
     static PatchCoordinate hollow_half_angle(const Vec3& point, const Vec3& zero, const Vec3& quarter,
                                              double reach, const Vec3& axis = Vec3::Zero(), double sine = 0,
                                              double cosine = 1);
@@ -33,7 +32,11 @@ struct PatchCoordinate {
     static PatchCoordinate along_cone(const HollowCone& cone, const Vec3& axis, double radius);
 
     double operator()(const Eigen::Vector4d& X) const {
-        return (numerator.head<4>().dot(X) + numerator[4]) / (divisor.head<4>().dot(X) + divisor[4]);
+        return value(numerator, X, 1) / value(divisor, X, 1);
+    }
+    /// A linear function of a point X, given times its weight: its value times the weight.
+    static double value(const Linear& f, const Eigen::Vector4d& X, double weight) {
+        return f.head<4>().dot(X) + weight * f[4];
     }
 };
 

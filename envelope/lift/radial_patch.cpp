@@ -75,15 +75,16 @@ void RadialPatch::set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& 
     kind_ = kind;
     axes_ = {x, y, x.cross(y)};
     origin_ = origin;
-    // The tangent of half the angle between q and an axis is the component across over |q| plus that along
-    // it.
-    projection_.linear.setZero();
-    projection_.linear.row(0) = vector(x);
-    projection_.linear.row(1) = vector(y);
-    projection_.constants << -x.dot(origin), -y.dot(origin), 1, 0;
-    if (kind == Kind::Planar) return;
-    projection_.linear.row(2) = vector(axes_[2]) + weight;
-    projection_.constants.z() = 0;
+    if (kind == Kind::Planar)
+        coordinates_ = {PatchCoordinate::linear(x, origin), PatchCoordinate::linear(y, origin)};
+    if (kind == Kind::Stereographic)
+        coordinates_ = {PatchCoordinate::half_angle(origin, axes_[2], x, 0),
+                        PatchCoordinate::half_angle(origin, axes_[2], y, 0)};
+}
+
+void RadialPatch::set_coordinates(const PatchCoordinate& u) {
+    coordinates_[0] = u;
+    coordinates_[1].numerator << along_, along_across_, along_start_;
 }
 
 void RadialPatch::add(const Polynomial& f, const Polynomial& g, const Vector4d& h) {
@@ -140,10 +141,8 @@ void RadialPatch::set_confocal(const Vec3& z, double length, double delta, doubl
     kind_ = Kind::Confocal;
     axes_ = {across_it, across_it.cross(opposite), opposite};
     origin_ = Vec3::Zero();
-    projection_.linear.setZero();
-    projection_.linear.row(0) = vector(opposite) + weight;
-    projection_.linear.row(1) = vector(axes_[1]);
-    projection_.constants << 0, 0, 1, 0;
+    coordinates_[0].numerator << opposite, 1, 0;
+    coordinates_[1] = PatchCoordinate::linear(axes_[1], origin_);
     const double a = 0.5 * std::sqrt(power), b = 0.5 * delta / a;
     add(1, 0, a * vector(axes_[0]));
     add(2, 0, -b * vector(axes_[0]));
@@ -166,6 +165,8 @@ void RadialPatch::set_about_object(const Vec3& axis, const Vec3& point, double d
     // d leaves the cell's inside on the left, or on the right.
     set_axes(Kind::AboutObject, x, -side * d.cross(x), c);
     along_ = d;
+    set_coordinates(is_in_tube_ ? PatchCoordinate::hollow_half_angle(c, x, axes_[1], delta)
+                                : PatchCoordinate::half_angle(c, x, axes_[1], delta));
     const double length = c.norm(), squared = side * (length - delta) * (length + delta);
     const double cx = is_in_tube_ ? c.dot(x) : -length, cy = is_in_tube_ ? c.dot(axes_[1]) : 0;
     const Polynomial w{-side * (cx + delta), -side * 2 * cy, side * (cx - delta)},
@@ -184,6 +185,7 @@ void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, c
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
     along_ = Vec3::UnitY();
     along_start_ = -start;
+    set_coordinates(PatchCoordinate::half_angle(origin_, x, axes_[1], 0));
     const Polynomial w{b0 + b.dot(axes_[0]), 2 * b.dot(axes_[1]), b0 - b.dot(axes_[0])};
     add(w, one, weight);
     add(w, {start, 1, 0}, vector(Vec3::UnitY()));
@@ -230,6 +232,7 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
     const double scale = d.y() > 0 ? 1 / (1 + d.y()) : (1 - d.y()) / (sine * sine);
     along_ = scale * (d + Vec3::UnitY());
     along_start_ = -along_.dot(a);
+    set_coordinates(PatchCoordinate::half_angle(origin_, x, axes_[1], 0));
     // w = q.n + delta W, t = C W / (2 w) and y w = (start + v) w - C n.d' / (2 (1 + d_y)).
     const double start = a.y() + scale * a.dot(across_y(d));
     const Polynomial half_C{0.5 * (near.norm() - delta) * (near.norm() + delta), near.dot(d),

@@ -87,6 +87,7 @@
 
 #include "../../core/curves/bspline.hpp"
 #include "../../primitives/bases/radial_base.hpp"
+#include "patch_coordinate.hpp"
 
 namespace vcell {
 
@@ -112,14 +113,9 @@ public:
     const std::optional<Vec3>& half() const { return half_; }
     /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
     /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal; on
-    /// AboutObject and AboutBase u = y /
-    /// (|(x, y)| + x), v = along().p + along_start() + along_across() |(x, y)|, the last of hollow cones
-    /// only.
+    /// AboutObject and AboutBase u = y / (|(x, y)| + x), and v is linear in p and, of vessels, in |(x, y)|.
     const std::array<Vec3, 3>& axes() const { return axes_; }
     const Vec3& origin() const { return origin_; }
-    const Vec3& along() const { return along_; }
-    double along_start() const { return along_start_; }
-    double along_across() const { return along_across_; }
 
     /// The parameters of a point of the bisector, in any number type with sqrt(); on
     /// Stereographic a function of the point's direction from the centre alone.
@@ -131,18 +127,15 @@ public:
         return {u, v};
     }
 
-    /// Planar, Stereographic and Confocal: with t the distance from the base's centre, (u w, v w, w, 0) is
-    /// the product of `linear` and (p, t), plus `constants`, with some w > 0. So along rational curves (p, t)
-    /// these parameters are rational, of their degree.
-    struct Projection {
-        Eigen::Matrix4d linear;
-        Eigen::Vector4d constants;
-        Eigen::Vector3d operator()(const Eigen::Vector4d& x, double weight) const {
-            const Eigen::Vector4d y = linear * x + weight * constants;
-            return y.head<3>();
-        }
-    };
-    const Projection& projection() const { return projection_; }
+    /// The parameters as functions in space. On Planar, Stereographic and Confocal both have one divisor: so
+    /// along rational curves (p, t) these parameters are rational, of their degree.
+    const PatchCoordinates& coordinates() const { return coordinates_; }
+    /// (u w, v w, w) there, of a point times its weight; some w > 0.
+    Eigen::Vector3d projected(const Eigen::Vector4d& x, double weight) const {
+        const auto& [u, v] = coordinates_;
+        return {PatchCoordinate::value(u.numerator, x, weight),
+                PatchCoordinate::value(v.numerator, x, weight), PatchCoordinate::value(u.divisor, x, weight)};
+    }
 
     /// (P, w) at (u, v), in any number type.
     template <class T>
@@ -181,6 +174,8 @@ private:
     template <class Use>
     void for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const;
     void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
+    /// v is linear as along_, along_start_ and along_across_ have it.
+    void set_coordinates(const PatchCoordinate& u);
     void set_plane(const Vec3& point, const Vec3& normal);
     void set_paraboloid(double distance, const Vec3& normal, double radius);
     void set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle, bool wide);
@@ -209,7 +204,7 @@ private:
     double along_start_ = 0, along_across_ = 0;
     std::optional<Vec3> half_;
     bool is_in_tube_ = false;  // or in a cone
-    Projection projection_;
+    PatchCoordinates coordinates_;
 };
 
 template <class T>

@@ -10,6 +10,20 @@ namespace vcell::space_fit {
 
 namespace {
 
+const SpaceBox nowhere{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
+
+void extend(SpaceBox& corners, const std::array<Interval, 4>& X) {
+    for (int i = 0; i < 4; ++i) {
+        corners[0][i] = std::min(corners[0][i], X[i].lower());
+        corners[1][i] = std::max(corners[1][i], X[i].upper());
+    }
+}
+
+template <class T>
+std::array<T, 4> point_over(const std::array<T, 3>& foot, const std::array<T, 3>& normal, const T& t) {
+    return {t * normal[0] + foot[0], t * normal[1] + foot[1], t * normal[2] + foot[2], t};
+}
+
 bool holds(const std::array<double, 4>& box, const Vec2& q) {
     return q.x() >= box[0] && q.x() <= box[1] && q.y() >= box[2] && q.y() <= box[3];
 }
@@ -41,35 +55,26 @@ ArcGuide::Rays ArcGuide::rays(const Chart::Part& part) const {
 }
 
 SpaceBox ArcGuide::enclosure(const std::array<double, 4>& box) const {
-    SpaceBox corners{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
+    SpaceBox corners = nowhere;
     chart_.for_parts(box, [&](const Chart::Part& part) {
         const auto [f, w, distances, doubts] = rays(part);
         const auto& [a, b] = distances;
         const double low = std::max({a.lower(), b.lower(), 0.0}), high = std::min(a.upper(), b.upper());
-        const Interval t(std::min(low, high), std::max(low, high));
-        const std::array<Interval, 4> X{t * w[0] + f[0], t * w[1] + f[1], t * w[2] + f[2], t};
-        for (int i = 0; i < 4; ++i) {
-            corners[0][i] = std::min(corners[0][i], X[i].lower());
-            corners[1][i] = std::max(corners[1][i], X[i].upper());
-        }
+        extend(corners, point_over(f, w, Interval(std::min(low, high), std::max(low, high))));
     });
     return corners;
 }
 
 SpaceBox ArcGuide::enclosure(const StripPart& strip) const {
     const SpaceBox corners = enclosure(strip.box);
-    SpaceBox tight{Vector4d::Constant(infinity), Vector4d::Constant(-infinity)};
+    SpaceBox tight = nowhere;
     chart_.for_parts(strip.box, [&](const Chart::Part& part) {
         StripPart here = strip;
         here.box = part.box;
         const auto doubts = rays(part).doubts;
         const auto left = over(here, part.is_back, 0, doubts[0]),
-                   right = over(here, part.is_back, 1, doubts[1]),
-                   both = intersection(left, right).value_or(left);
-        for (int i = 0; i < 4; ++i) {
-            tight[0][i] = std::min(tight[0][i], both[i].lower());
-            tight[1][i] = std::max(tight[1][i], both[i].upper());
-        }
+                   right = over(here, part.is_back, 1, doubts[1]);
+        extend(tight, intersection(left, right).value_or(left));
     });
     return {tight[0].cwiseMax(corners[0]), tight[1].cwiseMin(corners[1])};
 }
@@ -84,12 +89,8 @@ SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack)
     };
     const Vector3i foot{Interval(0), Interval(y), Interval(0)}, normal{over(0), Interval(0), over(2)};
     const Interval t = equations_[1].distance_along(foot, normal);
-    const std::array<Interval, 4> X{t * normal[0], Interval(y), t * normal[2], t};
-    SpaceBox corners;
-    for (int i = 0; i < 4; ++i) {
-        corners[0][i] = X[i].lower();
-        corners[1][i] = X[i].upper();
-    }
+    SpaceBox corners = nowhere;
+    extend(corners, {t * normal[0], Interval(y), t * normal[2], t});
     return corners;
 }
 
@@ -102,8 +103,7 @@ std::array<Interval, 4> ArcGuide::over(const StripPart& strip, bool is_back, int
                                        const Interval& doubt) const {
     const auto point = [&](const auto& x, const auto& y) {
         const auto f = chart_.foot(x, y), w = normal(x, y, is_back);
-        const auto t = distance_along(k, x, y, is_back);
-        return std::array{t * w[0] + f[0], t * w[1] + f[1], t * w[2] + f[2], t};
+        return point_over(f, w, distance_along(k, x, y, is_back));
     };
     const auto& [x0, x1, y0, y1] = strip.box;
     const Interval x(x0, x1), y(y0, y1);

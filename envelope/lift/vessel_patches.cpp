@@ -39,6 +39,8 @@ void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec
     along_ = K * axis;
     along_start_ = -along_.dot(apex);
     along_across_ = S;
+    coordinates_ = {PatchCoordinate::hollow_half_angle(apex, x, axes_[1], radius, axis, S, K),
+                    PatchCoordinate::along_cone(vessel, axis, radius)};
     const double dx = out.dot(axes_[0]), dy = out.dot(axes_[1]);
     const Polynomial w{P - K * dx, -2 * K * dy, P + K * dx},
         half{0.5 * (D.norm() - radius) * (D.norm() + radius), 0, 0.5};
@@ -84,6 +86,7 @@ void RadialPatch::set_in_vessel(const RadialBaseProblem& problem, FormId form, c
     along_ = Vec3::UnitY() + f.a / m;
     along_start_ = -y;
     along_across_ = f.a0 / m;
+    set_coordinates(PatchCoordinate::half_angle(origin_, x, axes_[1], 0));
     const auto normal_times = [&](const Vec3& p, double p0) -> Polynomial {
         const double along_x = p.dot(axes_[0]);
         return {p0 + along_x, 2 * p.dot(axes_[1]), p0 - along_x};
