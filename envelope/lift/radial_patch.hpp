@@ -116,6 +116,8 @@ public:
     /// AboutObject and AboutBase u = y / (|(x, y)| + x), and v is linear in p and, of vessels, in |(x, y)|.
     const std::array<Vec3, 3>& axes() const { return axes_; }
     const Vec3& origin() const { return origin_; }
+    /// What v is per length, on AboutObject and AboutBase.
+    const Vec3& along() const { return along_; }
 
     /// The parameters of a point of the bisector, in any number type with sqrt(); on
     /// Stereographic a function of the point's direction from the centre alone.
