@@ -8,6 +8,7 @@
 #include "face_terms.hpp"
 #include "space.hpp"
 #include "triads.hpp"
+#include "vessel_starts.hpp"
 
 namespace vcell::check {
 
@@ -423,38 +424,6 @@ Shadow revolved_about(const Equation& equation, MidRad radius) {
     }
 }
 
-/// The bisector with a vessel is closed, and great circles from a start sum up to a face that does not have
-/// what is opposite to it. None: no such start is found.
-std::optional<Triad<MidRad>> start_in_vessel(const Scene& scene, const Frame& frame, const Equation& equation,
-                                             const Site& site, std::span<const Triad<double>> points) {
-    const Sphere& base = std::get<Sphere>(scene.base);
-    Vec3 mean = Vec3::Zero();
-    for (const auto& p : points) mean += Vec3(p[0], p[1], p[2]).normalized();
-    const auto is_of_others = [&](const Vec3& u) {
-        const MidRad t = height<MidRad>(equation, {0.0, 0.0, 0.0}, {u.x(), u.y(), u.z()}).t;
-        if (!(t.radius() < HUGE_VAL)) return false;
-        const Vec3 p = base.center + frame.unit() * t.mid() * u;
-        const double clearance = frame.unit() * t.mid() - base.radius,
-                     margin = 0x1p-20 * (std::abs(clearance) + base.radius);
-        if (((p - scene.box.min).array() < -margin).any() || ((scene.box.max - p).array() < -margin).any())
-            return true;
-        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
-            if (!scene.competes(i) || i == site.index) continue;
-            const Interval d = Surface<Interval>(scene.objects[i]).distance(to_vector<Interval>(p));
-            const bool is_plane = std::holds_alternative<Plane>(scene.objects[i]);
-            if ((is_plane ? magnitude(d) : d).upper() < clearance - margin) return true;
-        }
-        return false;
-    };
-    std::array<Vec3, 7> starts;
-    starts[0] = mean.norm() > 0 ? Vec3(mean.normalized()) : Vec3(Vec3::UnitZ());
-    for (std::size_t k = 0; k < 6; ++k)
-        starts[k + 1] = (k % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(static_cast<int>(k / 2));
-    for (const Vec3& s : starts)
-        if (is_of_others(-s)) return normalized(Triad<MidRad>{s.x(), s.y(), s.z()});
-    return std::nullopt;
-}
-
 // Of the foot q = p - (n p - o) n the flux is (n_x q_x + n_y q_y) / 2.
 Flat flat(const Equation& side, const Triad<double>& corner) {
     const Triad<MidRad>& n = side.c;
@@ -490,7 +459,9 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     if (std::holds_alternative<Plane>(scene.base)) return over_plane(*equation, corners);
     const bool about_sphere = std::holds_alternative<Sphere>(scene.base);
     if (equation->is_hollow && about_sphere) {
-        const auto start = start_in_vessel(scene, frame, *equation, site, outline.points);
+        const auto start = start_in_vessel(scene, frame, site, outline.points, [&](const Vec3& u) {
+            return height<MidRad>(*equation, {0.0, 0.0, 0.0}, {u.x(), u.y(), u.z()}).t;
+        });
         if (!start) return std::nullopt;
         return Fan{Fan::Base::sphere, *equation, *start};
     }

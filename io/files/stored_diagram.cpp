@@ -154,7 +154,11 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
             optional_member("lacking", [&] {
                 in.array([&](std::size_t i) {
                     StoredDiagram::Lacking read{};
-                    in.object(required_member("object", [&] { read.object = static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX)); }),
+                    in.object(required_member("object",
+                                              [&] {
+                                                  read.object = static_cast<std::uint32_t>(
+                                                      in.unsigned_integer(UINT32_MAX));
+                                              }),
                               required_member("reason", [&] { read.reason = in.string(); }));
                     if (i > 0 && !(diagram.lacking.back().object < read.object))
                         in.fail(Kind::OutOfRange, "must be of a later object than the one before");

@@ -91,6 +91,22 @@ TEST_CASE("check of a diagram with walls: nothing is refuted among random balls,
     }
 }
 
+TEST_CASE("check of a diagram with walls: a wall's face that leaves a narrow lens to others is enclosed") {
+    DiagramScene scene;
+    scene.objects = {Sphere{{2, 4, 7}, 0.5}, Sphere{{6, 5, 7}, 1}, Sphere{{6, 6, 4}, 1},
+                     HollowCylinder{{4, 4, 0}, {0, 1, 1}, 5}};
+    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+    const StoredDiagram diagram = stored(scene);
+    REQUIRE(diagram.cells.front().first == 0);
+    REQUIRE(diagram.cells.front().second.faces.size() == 3);
+    const Certificate certificate = certify(diagram);
+    for (const char* name : {"cells[0].faces[0].area", "cells[0].measures.volume"})
+        CHECK(has_verdict(certificate, name, Verdict::proved));
+    StoredDiagram damaged = diagram;
+    damaged.cells.front().second.faces[0].area *= 1.001;
+    CHECK(objects_to(certify(damaged), "cells[0].faces[0].area"));
+}
+
 TEST_CASE("check of a diagram with walls: what is damaged is objected to") {
     std::mt19937_64 rng(test_seed() + 1);
     // A ball inside another one, one beyond the vessel's wall, and one that touches the wall from there.
