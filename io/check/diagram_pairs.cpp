@@ -83,12 +83,12 @@ public:
     }
 
 private:
-    // What a cell shares with one ball.
+    // What a cell shares with another one.
     struct Shared {
         std::size_t faces = 0;
         Interval area{0.0};
         struct Vertex {
-            std::vector<PlacedSite> sites;  // the cell's own ball among them
+            std::vector<PlacedSite> sites;  // the cell's own object among them
             Vec3 point;
             double error;
         };
