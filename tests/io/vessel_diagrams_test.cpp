@@ -377,18 +377,17 @@ TEST_CASE("check of a diagram: damaged cells of tubes and planes are objected to
     Cell &front = d.cells[0].second, &tube = d.cells[2].second;
     // Refuted integrals need not be enclosed well.
     const auto certify = [](const StoredDiagram& damaged) { return vcell::certify(damaged, {50, 1, 4}); };
-    SUBCASE("a vertex of the tube's and a ball's cell") {
-        const auto has_ball = [&](const CellVertex& v) {
-            return std::ranges::any_of(v.sites, [&](const Site& s) {
-                return s.is_object() && tube.scene.images[s.index].number >= 2;
-            });
+    SUBCASE("a vertex of the tube's and another cell") {
+        // Balls may share closed edges with it alone.
+        const auto has_object = [](const CellVertex& v) {
+            return std::ranges::any_of(v.sites, &Site::is_object);
         };
-        const auto v = std::ranges::find_if(tube.vertices, has_ball);
+        const auto v = std::ranges::find_if(tube.vertices, has_object);
         REQUIRE(v != tube.vertices.end());
         v->point.z() += 1e-4;
         const Certificate c = certify(d);
         CHECK(has_verdict(c, "cells[1].vertices", Verdict::refuted));
-        CHECK(has_verdict(c, "pairs[1, ", Verdict::refuted));
+        CHECK(has_verdict(c, "pairs[", Verdict::refuted));
     }
     SUBCASE("a volume, and more than the box has") {
         front.measures.volume += 1;
