@@ -61,6 +61,26 @@ TEST_CASE("cells: among tubes of one radius that cross") {
              2);
 }
 
+TEST_CASE("cylinder cell: tubes of its radius whose axes cross its own are refused, however it leans") {
+    const Vec3 crossing(1, 2, -1);
+    for (const Vec3& along : {Vec3(0, 0, 1), Vec3(-1, 1, 2), Vec3(1, -1, 0), Vec3(2, 3, -1)})
+        for (const Vec3& across : {Vec3(0, -2, 1), Vec3(-1, 0, 0), Vec3(2, -2, -1)}) {
+            const Cylinder base{crossing - 0.5 * along, along, 0.25};
+            const auto cell_among = [&](const Vec3& point) {
+                return cell_of(about_tube(base, 4, {Cylinder{point, across, 0.25}}));
+            };
+            bool is_refused = false;
+            try {
+                cell_among(crossing + 3 * across);
+            } catch (const InputError& e) {
+                is_refused = e.kind == InputError::Kind::TouchesBase && e.object == 0;
+            }
+            CHECK(is_refused);
+            // Beside it there are cells.
+            CHECK_FALSE(cell_among(crossing + along.cross(across).normalized()).faces.empty());
+        }
+}
+
 TEST_CASE("cells: among tubes of one radius that cross but for rounding") {
     // Edges turn from one plane between the axes to the other within 1e-8; doubles lose them within 1e-6.
     const Eigen::Matrix3d turn = Eigen::Quaterniond(0.8, 0.3, -0.4, 0.33).normalized().toRotationMatrix();
