@@ -244,7 +244,7 @@ struct SkewFace {
     double least;
 
     SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
-    /// Of a hollow tube or cone.
+    /// Takes the face of a hollow tube or cone, with the coefficients of AxialTerms.
     SkewFace(const RadialBaseProblem& problem, FormId vessel, const Around& face);
     double least_distance() const { return least; }
     double distance(const Ray& ray) const;

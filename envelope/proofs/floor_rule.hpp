@@ -98,8 +98,8 @@ public:
         items.resize(kept);
     }
 
-    /// The same, whatever the number of items: first what the best of its own kind hides. Few are left to be
-    /// compared in pairs.
+    /// Leaves out what shows nowhere of any number of items, in time linear in it: what the best of its own
+    /// kind hides goes first, so that few are left to be compared in pairs, as above.
     template <class Items, class Form, class Range, class Above>
     void drop_hidden(Items& items, Form&& form, Range&& range, Above&& above) const {
         drop_worse_than_best(items, form, range, above);

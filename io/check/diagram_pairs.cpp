@@ -133,7 +133,7 @@ private:
             return along.dot(p - part.ends[0]) > room && along.dot(part.ends[1] - p) > room;
         });
     }
-    // Of planes there may be two.
+    // Planes may have two, which are judged together: both have vertices with the other object.
     auto cells_of(std::uint32_t object) const {
         return std::ranges::equal_range(diagram_.cells, object, {}, [](const auto& c) { return c.first; });
     }

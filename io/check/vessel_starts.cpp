@@ -32,12 +32,15 @@ std::optional<Triad<MidRad>> start_in_vessel(const Scene& scene, const Frame& fr
     const Sphere& base = std::get<Sphere>(scene.base);
     Vec3 mean = Vec3::Zero();
     for (const auto& p : points) mean += Vec3(p[0], p[1], p[2]).normalized();
+    // Any start will do: directions in which two objects are as near to each other, as parts of the distance,
+    // are in doubt and left out.
+    constexpr double doubt = 0x1p-20;
     const auto is_of_others = [&](const Vec3& u) {
         const MidRad t = distance(u);
         if (!(t.radius() < HUGE_VAL)) return false;
         const Vec3 p = base.center + frame.unit() * t.mid() * u;
         const double clearance = frame.unit() * t.mid() - base.radius,
-                     margin = 0x1p-20 * (std::abs(clearance) + base.radius);
+                     margin = doubt * (std::abs(clearance) + base.radius);
         if (((p - scene.box.min).array() < -margin).any() || ((scene.box.max - p).array() < -margin).any())
             return true;
         for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {

@@ -94,7 +94,7 @@ struct CylinderFrame {
     ExactVector turned(const ExactVector& p) const { return rotation(p); }
     ExactVector from_origin(const Vec3& p) const { return ExactVector(p) - ExactVector(origin); }
 
-    // Of what turned() returns.
+    // Takes what turned() returns to doubles, divided by norm.
     Vec3 rounded(const ExactVector& p) const { return rotation.rounded(p); }
     BaseFrame rounded() const {
         BaseFrame frame;
@@ -211,8 +211,8 @@ struct CylinderForms {
                 {scale * near.x, Exact(), scale * near.z},
                 {}};
     }
-    // The same but for the turn of the axis, which all but keeps lengths: F of find_axial_ties() is a linear
-    // image of what it is in the world. Pre: along the base.
+    // This form leaves out how the axis turned, which all but keeps lengths: so F of find_axial_ties() is a
+    // linear image of what it is in the world. Pre: along the base.
     RadialForm linear_image(const CylinderForm& f, const Exact& delta) const {
         const ExactVector p = frame.from_origin({f.px, f.py, f.pz}), a = direction(f);
         const Exact length2 = dot(a, a), along = dot(p, a);

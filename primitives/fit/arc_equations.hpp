@@ -171,9 +171,9 @@ public:
         q.k = width * (center.z() - rho);
         return quadric(q, {near.x(), near.y(), 0, 0}, {center.x(), center.y(), 0});
     }
-    // Of two round objects, which are all but the same: with G S = Q, S = d + kappa t + delta, what Q of the
-    // right one is less than that of the left one hardly turns. Its numbers are differences of points, axes
-    // and radii, and known as these are.
+    // Tells two round objects apart that are all but the same: with G S = Q, S = d + kappa t + delta, what Q
+    // of the right one is less than that of the left one hardly turns. Its numbers are differences of points,
+    // axes and radii, and known as these are.
     static Equation difference(const Equation& left, const Equation& right, const Vector4d& near) {
         const Vec3 way = right.point_ - left.point_,
                    axis = left.axis_.dot(right.axis_) < 0 ? Vec3(-left.axis_) : left.axis_,
