@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,17 @@ CellOptions keeping(const Cell& cell, CellOptions options) {
     return options;
 }
 
+// The objects that matter to the cell when others join it. Each ray of a cell that is not complete ends on
+// its boundary, and so at one of those that have a part of that; of complete cells' rays some end before they
+// come into the box, and what they end at shows nowhere.
+Numbers that_matter(const Cell& cell, bool is_complete) {
+    if (!is_complete) return neighbors_and_ties(cell);
+    Numbers all;
+    for (std::uint32_t i = 0; i < cell.scene.objects.size(); ++i)
+        if (cell.scene.competes(i)) all.push_back(i);
+    return all;
+}
+
 // The cell of a scene if no other objects than these, ascending, matter.
 Cell cell_among(Scene scene, const Numbers& objects, const CellOptions& options) {
     Scene part = room(scene);
@@ -64,28 +76,40 @@ std::vector<std::uint32_t> neighbors_and_ties(const Cell& cell) {
 }
 
 Cell insert(Cell cell, const Object& object, const CellOptions& options) {
-    Numbers among = neighbors_and_ties(cell);
+    const CellOptions kept = keeping(cell, options);
+    Numbers among = that_matter(cell, kept.complete);
     Scene scene = std::move(cell.scene);
     among.push_back(static_cast<std::uint32_t>(scene.objects.size()));
     scene.objects.push_back(object);
     if (!scene.names.empty()) scene.names.emplace_back();
-    return cell_among(std::move(scene), among, keeping(cell, options));
+    return cell_among(std::move(scene), among, kept);
 }
 
 namespace {
 
-// A lower bound of the distance of a ball from the base region, which lies in the box; of other objects 0.
-double least_distance(const Object& object, const Scene& scene) {
+// How far numbers of the object reach from the origin, those of its direction aside.
+double extent(const Object& object) {
+    if (const auto* plane = std::get_if<Plane>(&object)) return plane->point.cwiseAbs().sum();
+    if (const auto* ball = std::get_if<Sphere>(&object)) return ball->center.cwiseAbs().sum() + ball->radius;
+    const auto& tube = std::get<Cylinder>(object);
+    return tube.point.cwiseAbs().sum() + tube.radius;
+}
+
+// Of a ball it may be certain that it touches no cell whose clearances are no more than that. In a point of
+// the cell, which is in the box, it would be as near as the base is, no farther than the clearance, and so no
+// farther than twice that from the base's surface. Both hold inside bodies, too, where distances are
+// negative.
+bool may_touch(const Object& object, const Scene& scene, double clearance) {
     const auto* ball = std::get_if<Sphere>(&object);
-    if (ball == nullptr) return 0;
+    if (ball == nullptr) return true;
     // Beyond the rounding of a handful of sums of squares.
     constexpr double rounding = 0x1p-46;
+    const double slack = rounding * (extent(object) + extent(scene.base) + scene.box.min.cwiseAbs().sum() +
+                                     scene.box.max.cwiseAbs().sum());
     const Vec3 nearest = ball->center.cwiseMax(scene.box.min).cwiseMin(scene.box.max);
-    const double distance =
-        std::max((ball->center - nearest).norm(), distance_from(scene.base, ball->center));
-    const double size = ball->center.cwiseAbs().sum() + scene.box.min.cwiseAbs().sum() +
-                        scene.box.max.cwiseAbs().sum() + ball->radius;
-    return distance - ball->radius - rounding * size;
+    const double from_box = (ball->center - nearest).norm() - ball->radius;
+    const double from_base = distance_from(scene.base, ball->center) - ball->radius;
+    return !(from_box - slack > clearance || from_base - slack > 2 * clearance);
 }
 
 }  // namespace
@@ -107,7 +131,8 @@ Cell remove(Cell cell, std::uint32_t object, const CellOptions& options) {
     scene.objects.erase(scene.objects.begin() + object);
     if (object < scene.names.size()) scene.names.erase(scene.names.begin() + object);
     if (scene.base_object) scene.base_object = after(*scene.base_object);
-    if (!is_met) {
+    const CellOptions kept = keeping(cell, options);
+    if (!is_met && !kept.complete) {
         for_each_site(cell, [&](Site& s) {
             if (s.is_object()) s.index = after(s.index);
         });
@@ -116,17 +141,22 @@ Cell remove(Cell cell, std::uint32_t object, const CellOptions& options) {
         return cell;
     }
     for (std::uint32_t& i : among) i = after(i);
-    // The cell among the others lies in that among some of them. An object that touches it is as near to a
-    // point of it as the base is, which is no farther than the clearance r, and no farther than 2 r from the
-    // base.
-    CellOptions measured = keeping(cell, options);
+    // The cell among the others lies in that among some of them, and what touches it reaches as far as that.
+    // Where some alone leave a cell that is not decided about or refused, others may hide what it is refused
+    // for.
+    double clearance = std::numeric_limits<double>::infinity();
+    CellOptions measured = kept;
     measured.measure = true;
-    const Measures around = cell_among(scene, among, measured).measures;
-    const double reach = 2 * (around.max_clearance + around.max_clearance_error);
+    try {
+        const Measures around = cell_among(scene, among, measured).measures;
+        clearance = around.max_clearance + around.max_clearance_error;
+    } catch (const UndecidedError&) {
+    } catch (const InputError&) {
+    }
     Numbers candidates;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (scene.competes(i) && !(least_distance(scene.objects[i], scene) > reach)) candidates.push_back(i);
-    return cell_among(std::move(scene), candidates, keeping(cell, options));
+        if (scene.competes(i) && may_touch(scene.objects[i], scene, clearance)) candidates.push_back(i);
+    return cell_among(std::move(scene), candidates, kept);
 }
 
 Cell merge(Cell first, const Cell& second, const CellOptions& options) {
@@ -138,14 +168,15 @@ Cell merge(Cell first, const Cell& second, const CellOptions& options) {
     if (first.scene.box.min != other.box.min || first.scene.box.max != other.box.max)
         throw InputError(Kind::Unsupported, InputError::no_object, "box",
                          "is not the same in cells to be merged");
-    Numbers among = neighbors_and_ties(first);
+    const CellOptions kept = keeping(first, options);
+    Numbers among = that_matter(first, kept.complete);
     Scene scene = std::move(first.scene);
     const auto before = static_cast<std::uint32_t>(scene.objects.size());
     for (std::size_t i = 0; i < other.objects.size(); ++i)
         if (other.competes(i)) append(scene, other, i);
-    for (const std::uint32_t i : neighbors_and_ties(second))
+    for (const std::uint32_t i : that_matter(second, kept.complete))
         among.push_back(before + i - (other.base_object && i > *other.base_object));
-    return cell_among(std::move(scene), among, keeping(first, options));
+    return cell_among(std::move(scene), among, kept);
 }
 
 }  // namespace vcell

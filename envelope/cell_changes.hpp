@@ -1,6 +1,8 @@
 /// Cells of scenes that change, from the cells of what they were: an object that owns no part of a cell's
 /// boundary and shares none owns none either when others join it. So what is computed is the cell among the
-/// few that do, and costs what they cost, however many objects the scene has.
+/// few that do, and costs what they cost, however many objects the scene has. Complete cells are an
+/// exception: rays that come in through a side of the box may end before, at objects that show nowhere, so
+/// that all objects are looked at.
 ///
 /// Each result is the cell of the changed scene as voronoi_cell() gives it, complete if the (first) cell was,
 /// but for its report, which is about the objects that were looked at. Throws as voronoi_cell() does. Pre:

@@ -182,6 +182,53 @@ TEST_CASE("merge: the cell among the objects of both, over every base") {
     CHECK(count.refused <= 10 * rounds());
 }
 
+TEST_CASE("remove: a cell that the others leave within its own body") {
+    // Object 0 is nearest where object 2 was. Clearances are negative everywhere, with either.
+    Scene scene;
+    scene.base = Sphere{{2, 2, 5}, 3};
+    scene.objects = {Cylinder{{3, 6, 7}, {0, 0, 1}, 3}, Cylinder{{1, 2, 0}, {0, 0, -1}, 3},
+                     Cylinder{{3, 4, 7}, {0, 0, 1}, 2}, Sphere{{3, 5, 2}, 2}};
+    scene.box = {{-2, 1, 0}, {3, 4, 7}};
+    for (const std::uint32_t i : {0u, 1u, 2u, 3u}) {
+        CAPTURE(i);
+        const Cell scratch = voronoi_cell(without(scene, i));
+        CHECK(difference(remove(voronoi_cell(scene), i), scratch) == "");
+    }
+    // And a ball outside the box that is no farther from it than the base's surface is from its centre.
+    scene.objects = {Sphere{{-1.5, 2.5, 5}, 3}, Sphere{{5.5, 2.5, 5}, 3}, Sphere{{-2.5, 2.5, 5}, 3.5}};
+    scene.box = {{0, 0, 0}, {4, 5, 9}};
+    for (const std::uint32_t i : {0u, 1u, 2u}) {
+        CAPTURE(i);
+        const Cell scratch = voronoi_cell(without(scene, i));
+        CHECK(difference(remove(voronoi_cell(scene), i), scratch) == "");
+    }
+}
+
+TEST_CASE("insert, remove and merge: what rays of complete cells end at before they come into the box") {
+    // Object 3 owns all that the plane would in the corner (0, 2, 8), and shows nowhere on the plane's cell.
+    Scene scene;
+    scene.base = Plane{{3, 0, 1}, {1, 1, 1}};
+    scene.objects = {Sphere{{0, 5, 3}, 2}, Sphere{{8, 8, 8}, 2}, Sphere{{3, 7, 4}, 2}, Sphere{{4, 3, 8}, 2}};
+    scene.box = {{0, 2, 0}, {3, 12, 8}};
+    const Sphere another{{3, 8, 0}, 0};
+    Scene more = scene;
+    more.objects.emplace_back(another);
+    CellOptions complete;
+    complete.complete = true;
+    const Cell cell = voronoi_cell(scene, complete), scratch = voronoi_cell(more, complete);
+    CHECK(std::ranges::find(cell.neighbors, 3) == cell.neighbors.end());
+    CHECK(difference(insert(cell, another), scratch) == "");
+    // A cell that is not complete becomes one.
+    CHECK(difference(insert(voronoi_cell(scene), another, complete), scratch) == "");
+    Scene fewer = scene;
+    fewer.objects = {another};
+    CHECK(difference(merge(cell, voronoi_cell(fewer)), scratch) == "");
+    const Cell revealed = remove(cell, 3);
+    CHECK(revealed.is_complete);
+    CHECK(difference(revealed, voronoi_cell(without(scene, 3), complete)) == "");
+    CHECK(revealed.measures.volume > cell.measures.volume + 0.01);
+}
+
 TEST_CASE("insert, remove and merge: what they are not given is named") {
     Scene scene;
     scene.base = Sphere{{0, 0, 0}, 1};
