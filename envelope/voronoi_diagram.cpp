@@ -53,7 +53,7 @@ void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32
             if (options.bodies) add_body(decided, object, diagram.cells[object]);
             if (cell)
                 cells[i].push_back(*std::move(cell));
-            else if (options.visit && options.complete &&
+            else if (options.visit && options.complete && !decided.is_ball(object) &&
                      diagram.cells[object].state == DiagramCell::State::Computed)
                 cells[i] = whole::complete_cells(decided, object);
         });

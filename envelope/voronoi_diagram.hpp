@@ -29,7 +29,7 @@ struct DiagramScene {
     /// Empty, or a label for each object: objects of one label belong together (group_table()).
     std::vector<std::string> groups;
     Box box;
-    /// Along these axes the box repeats, by its edges. Then all objects are balls.
+    /// Along these axes the box repeats, by its edges. Then all objects are balls, less than 2^13 edges away.
     std::array<bool, 3> periodic{false, false, false};
     /// Where the box repeats it may lean: its edges are (x, 0, 0), (xy, y, 0) and (xz, yz, z), these being
     /// xy, xz, yz. Zero along axes that do not repeat. Pre: leaning boxes repeat along all axes.
@@ -76,8 +76,8 @@ struct DiagramCell {
     /// otherwise is a proven bound.
     double body_volume = not_measured, body_error = not_measured;
     bool body_estimated = false;
-    /// NaN for planes, tubes and balls centred outside the box, whose cells have no faces over base points
-    /// there.
+    /// NaN for planes, tubes and balls centred outside the box, or on its sides, along axes that do not
+    /// repeat, whose cells have no faces over base points there.
     double min_clearance = 0, max_clearance = 0;
     bool touches_box = false;
     bool is_estimated = false;  ///< the errors, otherwise proven bounds

@@ -35,6 +35,11 @@ Image opposite(const Image& image) {
             static_cast<std::int16_t>(-image[2])};
 }
 
+Image moved_by(const Image& by, const Image& image) {
+    return {static_cast<std::int16_t>(image[0] + by[0]), static_cast<std::int16_t>(image[1] + by[1]),
+            static_cast<std::int16_t>(image[2] + by[2])};
+}
+
 class BallCellFinder {
 public:
     BallCellFinder(const DecidedDiagram& decided, std::uint32_t object, const Box& room)
@@ -56,10 +61,14 @@ public:
         searched_ = around.reach();
         waiting_.clear();
         waiting_.reserve(around.balls().size());
+        const Image home = around.is_in_box() ? decided_.balls().home(object_) : Image{0, 0, 0};
+        const Vec3 by = decided_.balls().lattice().shift(home);
         for (const Neighbor& n : around.balls()) {
-            const double distance = distance_of(n.ball);
-            if (distance > searched_ || (n.number == object_ && n.image == Image{0, 0, 0})) continue;
-            waiting_.push_back({distance, n.number, n.image, n.ball});
+            const Sphere ball{n.ball.center + by, n.ball.radius};
+            const Image image = moved_by(home, n.image);
+            const double distance = distance_of(ball);
+            if (distance > searched_ || (n.number == object_ && image == Image{0, 0, 0})) continue;
+            waiting_.push_back({distance, n.number, image, ball});
         }
         if (waiting_.size() < first_balls && searched_ < infinity) return false;
         const auto middle =

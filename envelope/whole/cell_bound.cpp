@@ -71,11 +71,15 @@ void CellBound::add(const Sphere& ball) {
 }
 
 void CellBound::add(const Box& box) {
+    // Of a side that is nearer than that, or that the centre lies on or beyond, a float's bound would be
+    // none. Beyond it there is nothing of the cell to be bounded.
+    constexpr double least = 0x1p-20;  // of the box's edge
     for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {-1.0, 1.0}) {
             const double bound = sign < 0 ? box.min[axis] : box.max[axis];
-            const double far = std::abs(bound - base_.center[axis]) +
-                               bound_rounding * (std::abs(bound) + std::abs(base_.center[axis]));
+            const double far =
+                std::max(sign * (bound - base_.center[axis]), least * (box.max[axis] - box.min[axis])) +
+                bound_rounding * (std::abs(bound) + std::abs(base_.center[axis]));
             // A side is met as a mirrored base would be, which has the base's radius and twice the distance.
             const double size = 2 * far, square = size * size;
             competitors_.push_back({sign * size * Vec3::Unit(axis), size, -bound_rounding * size,

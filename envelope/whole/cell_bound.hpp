@@ -35,7 +35,8 @@ public:
 
     /// A ball competes. Pre: neither ball contains the other.
     void add(const Sphere& ball);
-    /// The box bounds the cell. Pre: it contains the base's centre. With it all bounds are finite.
+    /// The box bounds the cell, and the base's centre may lie beyond its sides. With it all bounds are
+    /// finite.
     void add(const Box& box);
     /// The cell ends where it is this far (> 0) from the base's surface.
     void add_cap(double clearance);

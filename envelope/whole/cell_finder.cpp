@@ -116,12 +116,18 @@ void validate_diagram(const DiagramScene& scene) {
     if (scene.probe && !(*scene.probe > 0 && std::isfinite(*scene.probe)))
         throw InputError(Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
     if (!scene.is_periodic() && !scene.probe) return;
-    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (!std::holds_alternative<Sphere>(scene.objects[i]))
+    const Lattice lattice(scene);
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const auto* ball = std::get_if<Sphere>(&scene.objects[i]);
+        if (ball == nullptr)
             throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
                              std::string("is no ball, and ") +
                                  (scene.is_periodic() ? "in a box that repeats" : "with a probe") +
                                  " all objects are balls");
+        if (!lattice.has_image_at(ball->center))
+            throw InputError(Kind::OutOfRange, i, object_path(as_scene, i, "center"),
+                             "is too many edges away from the box that repeats");
+    }
 }
 
 double snap_to_grid(DiagramScene& scene) {
@@ -176,7 +182,7 @@ std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vecto
         return Ball{s.center.x(), s.center.y(), s.center.z(), s.radius};
     };
     for (const BallTree::Entry& self : balls.tree().entries()) {
-        const Sphere& s = self.ball;
+        const auto& s = std::get<Sphere>(scene.objects[self.number]);
         if (is_beyond(self.number, s)) continue;
         holders.clear();
         balls.within(s.center, depth_in_holder(s),
@@ -341,7 +347,7 @@ public:
             if (decided_.is_bounded(object_))
                 find_ball_cell(kept);
             else if (decided_.scene().probe)
-                find_beyond_box();
+                find_beyond_box(decided_.scene().box);
             else
                 find_measures(kept);
         } catch (const UndecidedError& e) {
@@ -349,9 +355,7 @@ public:
         } catch (const InternalError& e) {
             end(State::Undecided, std::string("internal error: ") + e.what());
         } catch (const InputError& e) {
-            // Where the box repeats, a ball beyond a side that does not may still own some of it.
-            const bool owns_nothing = e.kind == Kind::EmptyBox && !decided_.scene().is_periodic();
-            end(owns_nothing ? State::Empty : State::Refused, e.what());
+            end(e.kind == Kind::EmptyBox ? State::Empty : State::Refused, e.what());
         }
         return std::move(result_);
     }
@@ -362,6 +366,7 @@ private:
     void find_ball_cell(std::optional<Cell>* kept) {
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(base);
+        if (!holds(room, base.center)) return find_cell_beyond(base, room);
         // A part of a scene holds what may touch a bound, and finds the same from it as any other part.
         if (decided_.is_simple() && kept == nullptr)
             if (auto found = measured_ball_cell(decided_, object_, room, around_, shared_ != nullptr)) {
@@ -389,6 +394,16 @@ private:
         Cell cell = voronoi_cell(part_scene(base, room), options);
         take(cell);
         if (kept) *kept = std::move(cell);
+    }
+
+    // The cell of a ball that is centred on a side of a box that repeats along others, or beyond it.
+    void find_cell_beyond(const Sphere& base, const Box& room) {
+        if (decided_.scene().probe) return find_beyond_box(room);
+        cover_box();
+        gather(decided_.bound(object_).bound);
+        Found found;
+        measure(part_scene(base, room), found);
+        keep(found);
     }
 
     void take(const Cell& cell) {
@@ -445,15 +460,24 @@ private:
         return scene;
     }
 
+    using Found = std::map<std::pair<Site, Image>, CellContact>;
+    CellContact& contact_in(Found& found, const Scene& scene, const Site& site) const {
+        std::pair<Site, Image> key{site, here};
+        if (site.is_object() && scene.numbers.empty()) {
+            const Candidate& c = candidates_[site.index];
+            key = {Site::object(decided_.number(c.place)), c.image};
+        }
+        return found.try_emplace(key, CellContact{key.first, key.second}).first->second;
+    }
+    void keep(const Found& found) {
+        result_.contacts.reserve(found.size());
+        for (const auto& [key, contact] : found) result_.contacts.push_back(contact);
+    }
+
     void add_contacts(const Cell& cell) {
-        std::map<std::pair<Site, Image>, CellContact> found;
+        Found found;
         const auto add = [&](const Site& site, const CellFace& face) {
-            std::pair<Site, Image> key{site, here};
-            if (site.is_object() && cell.scene.numbers.empty()) {
-                const Candidate& c = candidates_[site.index];
-                key = {Site::object(decided_.number(c.place)), c.image};
-            }
-            CellContact& contact = found.try_emplace(key, CellContact{key.first, key.second}).first->second;
+            CellContact& contact = contact_in(found, cell.scene, site);
             ++contact.faces;
             contact.area += face.area;
             contact.area_error += face.area_error + std::numeric_limits<double>::epsilon() * contact.area;
@@ -469,15 +493,13 @@ private:
             add(face.site, face);
             for (const Site& site : face.extra_sites) add(site, face);
         }
-        result_.contacts.reserve(found.size());
-        for (const auto& [key, contact] : found) result_.contacts.push_back(contact);
+        keep(found);
     }
 
     // The cell of a ball that is centred outside the box, with a probe: nothing, where the box is beyond its
     // cap.
-    void find_beyond_box() {
+    void find_beyond_box(const Box& box) {
         const Sphere& self = decided_.ball(object_);
-        const Box& box = decided_.scene().box;
         const Vec3 nearest = self.center.cwiseMax(box.min).cwiseMin(box.max);
         if (least_distance(Sphere{nearest, 0}, self) < *decided_.scene().probe)
             throw InputError(Kind::Unsupported, decided_.number(object_),
@@ -491,8 +513,7 @@ private:
     // Their cells may stand over base points outside the box, and have measures only; a tube's complete cell
     // is measured where it is asked for, so that it is computed once.
     void find_measures(std::optional<Cell>* kept) {
-        result_.touches_box = true;  // of planes and tubes always; of others not known
-        result_.reach = std::numeric_limits<double>::infinity();
+        cover_box();
         if (kept != nullptr && std::holds_alternative<Cylinder>(decided_.scene().objects[object_])) {
             std::vector<Cell> cells = complete_cells(decided_, object_);
             if (cells.size() == 1) {
@@ -501,24 +522,28 @@ private:
                 return;
             }
         }
-        std::map<std::uint32_t, CellContact> found;
-        for (const Scene& scene : scenes_among_all(decided_, object_)) {
-            const CompleteMeasures m = complete_measures(scene);
-            result_.candidates = static_cast<std::uint32_t>(scene.objects.size());
-            result_.volume += m.volume;
-            result_.volume_error += m.volume_error;
-            result_.area += m.area;
-            result_.area_error += m.area_error;
-            result_.is_estimated = result_.is_estimated || m.is_estimated;
-            result_.assumed += m.assumed;
-            for (const CompleteMeasures::Neighbor& n : m.neighbors) {
-                CellContact& contact =
-                    found.try_emplace(n.object, CellContact{Site::object(n.object)}).first->second;
-                contact.area += n.area;
-                contact.area_error += n.area_error;
-            }
+        Found found;
+        for (const Scene& scene : scenes_among_all(decided_, object_)) measure(scene, found);
+        keep(found);
+    }
+    void measure(const Scene& scene, Found& found) {
+        const CompleteMeasures m = complete_measures(scene);
+        result_.candidates = static_cast<std::uint32_t>(scene.objects.size());
+        result_.volume += m.volume;
+        result_.volume_error += m.volume_error;
+        result_.area += m.area;
+        result_.area_error += m.area_error;
+        result_.is_estimated = result_.is_estimated || m.is_estimated;
+        result_.assumed += m.assumed;
+        for (const CompleteMeasures::Neighbor& n : m.neighbors) {
+            CellContact& contact = contact_in(found, scene, Site::object(n.object));
+            contact.area += n.area;
+            contact.area_error += n.area_error;
         }
-        for (const auto& [number, contact] : found) result_.contacts.push_back(contact);
+    }
+    void cover_box() {
+        result_.touches_box = true;  // of planes and tubes always; of others not known
+        result_.reach = std::numeric_limits<double>::infinity();
     }
     void take_complete(const Cell& cell) {
         const Measures& m = cell.measures;

@@ -129,10 +129,14 @@ public:
     /// Holds all balls whose surfaces are no farther from the centre of any of those that lie together, as
     /// doubles have that distance.
     double reach() const { return reach_; }
+    /// Are they around those images of the balls that the tree has, not around the balls where they lie
+    /// (ImageTree::home())?
+    bool is_in_box() const { return is_in_box_; }
 
 private:
     void set_reach(double reach, const Box& box);
 
+    bool is_in_box_ = false;
     double reach_;
     std::vector<ImageTree::Found> balls_;
 };

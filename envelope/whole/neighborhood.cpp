@@ -36,7 +36,7 @@ private:
 
 }  // namespace
 
-Neighborhood::Neighborhood(const DecidedDiagram& decided, const BallTree::Leaf& leaf) {
+Neighborhood::Neighborhood(const DecidedDiagram& decided, const BallTree::Leaf& leaf) : is_in_box_(true) {
     // Room for some sixty balls: enough to bound most cells, and few enough to be looked at one by one.
     constexpr double wide = 2.6;
     constexpr std::size_t least = 32, most = 1024;

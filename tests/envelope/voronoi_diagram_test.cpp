@@ -17,6 +17,7 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../primitives/reference.hpp"
 #include "../test_support.hpp"
+#include "diagram_checks.hpp"
 #include "molecule.hpp"
 
 namespace vcell::voronoi_diagram_test {
@@ -34,66 +35,6 @@ DiagramScene random_balls(std::mt19937_64& rng, std::size_t n, double least, dou
 }
 
 const DiagramCell& cell_of(const VoronoiDiagram& diagram, std::size_t i) { return diagram.cells[i]; }
-
-void check_whole(const DiagramScene& scene, const VoronoiDiagram& diagram) {
-    for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
-        CAPTURE(i);
-        CAPTURE(diagram.cells[i].reason);
-        const State state = diagram.cells[i].state;
-        CHECK((state == State::Computed || state == State::Empty));
-        CHECK(diagram.cells[i].assumed == 0);
-    }
-    const ContactTable table = contacts(diagram);
-    for (const std::string& fault : table.faults) FAIL_CHECK(fault);
-    const FilledVolume sum = filled_volume(scene, diagram);
-    CAPTURE(sum.volume);
-    CAPTURE(sum.error);
-    CAPTURE(sum.box);
-    CHECK(sum.fills());
-    CHECK(sum.error < 1e-6 * sum.box);
-}
-
-/// The share of the box that is nearest to each object, by counting points, images included.
-std::vector<double> sampled_volumes(const DiagramScene& scene, std::mt19937_64& rng, int samples) {
-    std::vector<double> counts(scene.objects.size(), 0);
-    const Eigen::Matrix3d edges = scene.edges();
-    std::uniform_real_distribution<double> unit(0, 1);
-    for (int s = 0; s < samples; ++s) {
-        const Vec3 p = scene.box.min + edges * Vec3(unit(rng), unit(rng), unit(rng));
-        double least = HUGE_VAL;
-        std::size_t owner = 0;
-        for (int a = -1; a <= 1; ++a)
-            for (int b = -1; b <= 1; ++b)
-                for (int c = -1; c <= 1; ++c) {
-                    if ((a != 0 && !scene.periodic[0]) || (b != 0 && !scene.periodic[1]) ||
-                        (c != 0 && !scene.periodic[2]))
-                        continue;
-                    for (std::size_t i = 0; i < scene.objects.size(); ++i)
-                        if (const double d = distance(scene.objects[i], p - edges * Vec3(a, b, c));
-                            d < least) {
-                            least = d;
-                            owner = i;
-                        }
-                }
-        ++counts[owner];
-    }
-    for (double& c : counts) c *= edges.determinant() / samples;
-    return counts;
-}
-
-void check_sampled(const DiagramScene& scene, const VoronoiDiagram& diagram, std::mt19937_64& rng) {
-    constexpr int samples = 20000;
-    const std::vector<double> sampled = sampled_volumes(scene, rng, samples);
-    const double box = scene.edges().determinant();
-    for (std::size_t i = 0; i < sampled.size(); ++i) {
-        // Six standard deviations of a count, and one point.
-        const double share = diagram.cells[i].volume / box;
-        const double doubt =
-            box * (6 * std::sqrt(std::max(0.0, share * (1 - share)) / samples) + 6.0 / samples);
-        CAPTURE(i);
-        CHECK(std::abs(sampled[i] - diagram.cells[i].volume) <= doubt);
-    }
-}
 
 bool are_same(const VoronoiDiagram& a, const VoronoiDiagram& b) {
     const auto same = [](const DiagramCell& p, const DiagramCell& q) {
@@ -504,17 +445,6 @@ TEST_CASE("voronoi_diagram: what is no scene is named") {
     CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
     scene.objects[1] = Sphere{{0.5, 0.5, std::nan("")}, 0.1};
     CHECK_THROWS_AS(voronoi_diagram(scene), InputError);
-}
-
-TEST_CASE("voronoi_diagram: a ball beyond a side of a box that repeats along others is refused, not empty") {
-    DiagramScene scene;
-    scene.box = {Vec3::Zero(), Vec3::Ones()};
-    scene.periodic = {true, false, false};
-    scene.objects = {Sphere{{0.5, 0.2, 0.5}, 0.1}, Sphere{{0.5, 1.1, 0.5}, 0.1}};
-    const VoronoiDiagram diagram = voronoi_diagram(scene);
-    CHECK(cell_of(diagram, 0).state == State::Computed);
-    CHECK(cell_of(diagram, 1).state == State::Refused);
-    CHECK_FALSE(filled_volume(scene, diagram).fills());
 }
 
 TEST_CASE("voronoi_diagram: progress ends at one, and what it throws ends the work") {
