@@ -183,6 +183,7 @@ inline double stretch(const FormFamily& family, FormId form, const Vec3& p) {
 struct SampledMeasures {
     double volume = 0, area = 0, box_face_area = 0, min_clearance = std::numeric_limits<double>::infinity();
     double max_clearance = 0;
+    double min_within = 0;  ///< by how much it may be less than min_clearance within half a sample's diagonal
 };
 inline SampledMeasures sample_measures(const PlaneBaseProblem& problem, int n) {
     Eigen::Vector2d low = problem.corners[0], high = low;
@@ -212,10 +213,14 @@ inline SampledMeasures sample_measures(const PlaneBaseProblem& problem, int n) {
                     best = f;
                 }
             }
-            const double area = cell_area * stretch(problem.family, best, {x, y, height});
+            const double stretched = stretch(problem.family, best, {x, y, height}),
+                         area = cell_area * stretched;
             m.volume += cell_area * height;
             (problem.sites[best].front().is_object() ? m.area : m.box_face_area) += area;
-            m.min_clearance = std::min(m.min_clearance, height);
+            if (height < m.min_clearance) {
+                m.min_clearance = height;
+                m.min_within = 0.5 * step.norm() * std::sqrt(stretched * stretched - 1);
+            }
             m.max_clearance = std::max(m.max_clearance, height);
         }
     }

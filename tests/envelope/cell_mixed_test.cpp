@@ -52,8 +52,8 @@ void check_measures(const Cell& cell, double tolerance) {
     CHECK(m.volume == doctest::Approx(sampled.volume).epsilon(1e-3));
     CHECK(m.area == doctest::Approx(sampled.area).epsilon(3e-3));
     CHECK(m.min_clearance <= sampled.min_clearance + 1e-12);
-    // Where a side of the box leans over the base, it comes down to it half a sample's width away.
-    CHECK(m.min_clearance == doctest::Approx(sampled.min_clearance).epsilon(5e-2));
+    // Where a side of the box leans over the base, it comes down to it next to a sample.
+    CHECK(m.min_clearance >= (1 - 5e-2) * sampled.min_clearance - sampled.min_within);
     CHECK(m.max_clearance >= sampled.max_clearance - 1e-12);
     CHECK(m.max_clearance == doctest::Approx(sampled.max_clearance).epsilon(3e-2));
     double off = tolerance;  // arcs by the tolerance, or by the vertices they end at

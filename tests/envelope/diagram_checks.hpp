@@ -33,6 +33,26 @@ inline void check_whole(const DiagramScene& scene, const VoronoiDiagram& diagram
     CHECK(sum.error < 1e-6 * sum.box);
 }
 
+/// Cells of equal states and contacts, volumes and areas within their bounds: cells may have been computed
+/// among different objects.
+inline void check_alike(const VoronoiDiagram& one, const VoronoiDiagram& other) {
+    REQUIRE(one.cells.size() == other.cells.size());
+    for (std::size_t i = 0; i < one.cells.size(); ++i) {
+        const DiagramCell &a = one.cells[i], &b = other.cells[i];
+        CAPTURE(i);
+        REQUIRE(a.state == b.state);
+        if (a.state != DiagramCell::State::Computed) continue;
+        CHECK(std::abs(a.volume - b.volume) <= a.volume_error + b.volume_error);
+        REQUIRE(a.contacts.size() == b.contacts.size());
+        for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+            const CellContact &c = a.contacts[k], &d = b.contacts[k];
+            CHECK(c.site == d.site);
+            CHECK(c.image == d.image);
+            CHECK(std::abs(c.area - d.area) <= c.area_error + d.area_error);
+        }
+    }
+}
+
 /// The share of the box that is nearest to each object, by counting points, images included.
 inline std::vector<double> sampled_volumes(const DiagramScene& scene, std::mt19937_64& rng, int samples) {
     std::vector<double> counts(scene.objects.size(), 0);

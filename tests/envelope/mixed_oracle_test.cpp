@@ -44,7 +44,7 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
         .cylinder(1, 0, 1, 0.25, 1, 0, 0.375);
     const MinimizationDiagram good = lower_envelope(s.family(), s.region);
     CHECK(check_diagram(s, good, rng).empty());
-    const auto objects = [&](const char* damage, const auto& corrupt) {
+    const auto objects = [&](const std::string& damage, const auto& corrupt) {
         MinimizationDiagram bad = good;
         corrupt(bad);
         CHECK_MESSAGE(!check_diagram(s, bad, rng).empty(), damage);

@@ -99,6 +99,26 @@ TEST_CASE("voronoi_diagram: balls any number of edges away are images of balls i
     }
 }
 
+TEST_CASE("update: balls that move beside sides of a box that repeats along others") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> place(0, 8);
+    const auto ball = [&] {
+        return Sphere{Vec3(place(rng), place(rng), place(rng)), 0.5 + 0.25 * (place(rng) % 3)};
+    };
+    for (int round = 0; round < 6; ++round) {
+        DiagramScene scene;
+        scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+        scene.periodic = {round % 2 == 0, false, true};
+        scene.objects = {Sphere{{4, 0, 4}, 1}, ball(), ball(), ball(), ball()};
+        VoronoiDiagram diagram = voronoi_diagram(scene);
+        for (const std::uint32_t number : {1u, 2u}) {
+            CAPTURE(round);
+            update(diagram, scene, number, ball());
+            check_alike(diagram, voronoi_diagram(scene));
+        }
+    }
+}
+
 TEST_CASE("voronoi_diagram: boxes too small for their balls, and balls too far away, are named") {
     DiagramScene scene;
     scene.box = {Vec3::Zero(), Vec3::Constant(4)};
