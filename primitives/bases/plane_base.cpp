@@ -45,7 +45,8 @@ public:
           base_(base),
           frame_(std::make_shared<PlaneFrame>(base, scene.box)),
           box_(frame_->box()),
-          sides_(has_floor ? ray_region(box_, scene.box, frame_->motion()) : base_region(box_)),
+          sides_(has_floor ? ray_region(base, scene.box, box_, frame_->motion())
+                           : base_region(base, scene.box, box_)),
           region_(sides_),
           unit_(unit),
           sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
@@ -74,7 +75,7 @@ public:
         problem.moved = std::max(frame_->moved(), by_lengths);
         problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
         problem.region = sides_;
-        if (has_floor_) problem.region_in_box = base_region(box_);
+        if (has_floor_) problem.region_in_box = base_region(base_, scene_.box, box_);
         problem.floor = std::move(floor_);
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
         for (std::size_t i = 0; i < sides_.size() && !has_floor_; ++i)

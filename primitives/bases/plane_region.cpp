@@ -1,6 +1,7 @@
 #include "plane_region.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -83,6 +84,45 @@ Exact height_of_corner(const Plane& base, const Box& box, unsigned corner) {
     return height;
 }
 
+// Signs of the corners on a side of the box, and which corners those are.
+struct SideCorners {
+    std::array<unsigned, 4> corners;
+    std::array<Sign, 4> signs;
+
+    SideCorners(const Plane& base, const Box& box, unsigned side) {
+        std::size_t next = 0;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            if ((corner >> (side / 2) & 1u) != side % 2) continue;
+            corners[next] = corner;
+            signs[next++] = height_of_corner(base, box, corner).sign();
+        }
+    }
+    auto count(Sign sign) const { return std::ranges::count(signs, sign); }
+};
+
+// Does the base cut the side of the box in a stretch? One that it touches in a corner bounds nothing, and of
+// two that meet in an edge of the box on the base the first one stands for both: sides that are rounded would
+// have stretches of the length of their rounding there.
+bool bounds_region(const Plane& base, const Box& box, unsigned side) {
+    const SideCorners here(base, box, side);
+    if (here.count(Sign::Positive) > 0 && here.count(Sign::Negative) > 0) return true;
+    if (here.count(Sign::Zero) != 2) return false;
+    unsigned all = 7, any = 0;  // bits that both corners on the base have, and that one of them has
+    for (std::size_t k = 0; k < 4; ++k)
+        if (here.signs[k] == Sign::Zero) {
+            all &= here.corners[k];
+            any |= here.corners[k];
+        }
+    const unsigned along = any & ~all;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        if (axis == side / 2 || (along >> axis & 1u) != 0) continue;
+        const unsigned beside = 2 * axis + (all >> axis & 1u);
+        // A side on the base is no line over it.
+        if (SideCorners(base, box, beside).count(Sign::Zero) != 4) return side < beside;
+    }
+    return true;
+}
+
 double place_of(const Box& box, Site side) {
     return (side.index % 2 == 0 ? box.min : box.max)[side.index / 2];
 }
@@ -104,13 +144,14 @@ void check_base_cuts_box(const Plane& base, const Box& box) {
     fail_empty("does not meet the base plane (base.plane)");
 }
 
-std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box) {
+std::vector<RegionSide> base_region(const Plane& base, const Box& world, const std::array<BoxSide, 6>& box) {
     std::vector<RegionSide> lines;
     bool empty = false;
     for (const BoxSide& side : box) {
-        if (side.m.x() != 0 || side.m.y() != 0)
+        if (side.m.x() != 0 || side.m.y() != 0) {
+            if (!bounds_region(base, world, side.index)) continue;
             lines.push_back({-side.m.x(), -side.m.y(), side.k, Site::box_side(side.index)});
-        else if (side.k < 0 || (side.k == 0 && side.m.z() > 0))
+        } else if (side.k < 0 || (side.k == 0 && side.m.z() > 0))
             empty = true;
     }
     if (empty) lines.clear();
@@ -128,13 +169,14 @@ bool has_rays_from_outside(const Plane& base, const Box& box, const std::array<B
     return false;
 }
 
-std::vector<RegionSide> ray_region(const std::array<BoxSide, 6>& box, const Box& world,
+std::vector<RegionSide> ray_region(const Plane& base, const Box& world, const std::array<BoxSide, 6>& box,
                                    const BaseFrame& frame) {
     using Eigen::Vector2d;
     // Where edges of the box meet the base, and the feet of corners before it.
     const double diagonal = world.diagonal(), margin = 0x1p-10 * diagonal;
     std::vector<Vector2d> points;
-    for (const ExactPoint& corner : region_corners(base_region(box))) points.push_back(corner.rounded());
+    for (const ExactPoint& corner : region_corners(base_region(base, world, box)))
+        points.push_back(corner.rounded());
     for (unsigned corner = 0; corner < 8; ++corner) {
         Vec3 p;
         for (unsigned axis = 0; axis < 3; ++axis)

@@ -39,12 +39,13 @@ Exact value_at(const RegionSide& side, const ExactPoint& p);
 /// Throws EmptyBox unless the base has a region of positive area in the box, or a face of the box is in it
 /// and the box in front. Exact in world coordinates: a plane across the box has corners on both sides.
 void check_base_cuts_box(const Plane& base, const Box& box);
-/// The part of the canonical plane z = 0 in the box, its sides counter-clockwise. A plane that only grazes
-/// the box may lose its last sliver when an oblique frame is rounded: that is EmptyBox, too.
-std::vector<RegionSide> base_region(const std::array<BoxSide, 6>& box);
+/// The part of the canonical plane z = 0 in the box, its sides counter-clockwise: those that the base cuts in
+/// a stretch, which is decided exactly in world coordinates. A plane that only grazes the box may lose its
+/// last sliver when an oblique frame is rounded: that is EmptyBox, too.
+std::vector<RegionSide> base_region(const Plane& base, const Box& world, const std::array<BoxSide, 6>& box);
 /// A part of the canonical plane that holds the feet of all points in front of it in the box, and a margin,
 /// but for sides of the box upright on it: these bound it exactly. Its other sides are none of the box.
-std::vector<RegionSide> ray_region(const std::array<BoxSide, 6>& box, const Box& world,
+std::vector<RegionSide> ray_region(const Plane& base, const Box& world, const std::array<BoxSide, 6>& box,
                                    const BaseFrame& frame);
 /// Do rays come into the box from base points outside it? Exact, but for sides that are rounded to upright
 /// ones: where the box has corners in front of the base on a side that leans over it.

@@ -172,6 +172,46 @@ TEST_CASE("region: of tilted planes it is convex, in the box, and on the sides i
     }
 }
 
+TEST_CASE("region: a side of the box that the base meets in a corner alone bounds nothing") {
+    // By integers: where the base cuts edges of the box, which are so many corners of the region, once each.
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> place(0, 4), part(-2, 2);
+    int with_corners = 0;
+    for (int round = 0; round < 400 * rounds(); ++round) {
+        const Eigen::Vector3i normal(part(rng), part(rng), part(rng)),
+            point(place(rng), place(rng), place(rng));
+        Scene scene;
+        scene.base = Plane{point.cast<double>(), normal.cast<double>()};
+        scene.box = {Vec3::Zero(), {4, 3, 2}};
+        const Eigen::Vector3i size(4, 3, 2);
+        const auto height = [&](unsigned corner) {
+            int sum = 0;
+            for (int k = 0; k < 3; ++k)
+                sum += normal[k] * (((corner >> k & 1u) != 0 ? size[k] : 0) - point[k]);
+            return sum;
+        };
+        int crossed = 0, on_base = 0, above = 0, below = 0;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            on_base += height(corner) == 0;
+            above += height(corner) > 0;
+            below += height(corner) < 0;
+            for (unsigned k = 0; k < 3; ++k)
+                crossed += (corner >> k & 1u) == 0 && height(corner) * height(corner | 1u << k) < 0;
+        }
+        if (above == 0 || below == 0) continue;
+        const PlaneBaseProblem problem = plane_base_problem(scene);
+        CAPTURE(normal.transpose());
+        CAPTURE(point.transpose());
+        REQUIRE(problem.region.size() == static_cast<std::size_t>(crossed + on_base));
+        for (std::size_t i = 0; i < problem.corners.size(); ++i)
+            CHECK((problem.corners[i] - problem.corners[(i + 1) % problem.corners.size()]).norm() *
+                      problem.unit >
+                  0.1);
+        with_corners += on_base > 0;
+    }
+    CHECK(with_corners > 50 * rounds());
+}
+
 TEST_CASE("region: a base plane without room in the box is an error that names both") {
     const auto with_base = [](const Vec3& point, const Vec3& normal) {
         Scene scene = square_scene();
