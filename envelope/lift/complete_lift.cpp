@@ -82,27 +82,46 @@ private:
 
     // The pair of forms, the lower one on the left first, and where an edge starts and ends.
     using Key = std::tuple<FormId, FormId, std::uint32_t, std::uint32_t>;
+    using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
     void match_edges() {
         std::map<Key, std::uint32_t> named;
+        // Where three forms tie all along an edge, as two sides of the box and the base do where an edge of
+        // the box lies on the base, the two diagrams may have different pairs of them there.
+        std::map<Ends, std::vector<std::uint32_t>> between;
         for (const EdgeId e : above_.edges.ids()) {
             if (!is_shared(above_, e)) continue;
             const MinimizationDiagram::Edge& edge = above_.edges[e];
             const std::uint32_t start = above_.start(e).value, end = above_.end(e).value;
             named[{edge.left, edge.right, start, end}] = e.value;
             named[{edge.right, edge.left, end, start}] = e.value;
+            for (const Ends& ends : {Ends{start, end}, Ends{end, start}}) between[ends].push_back(e.value);
         }
         const auto above = [&](VertexId v) { return v.valid() ? vertices[v.value] : no_number; };
         for (const EdgeId e : below_.edges.ids()) {
             if (!is_shared(below_, e)) continue;
             const MinimizationDiagram::Edge& edge = below_.edges[e];
-            const auto found =
-                named.find({edge.left, edge.right, above(below_.start(e)), above(below_.end(e))});
-            if (found == named.end())
+            const Ends ends{above(below_.start(e)), above(below_.end(e))};
+            const auto found = named.find({edge.left, edge.right, ends.first, ends.second});
+            if (found != named.end()) {
+                edges[e.value] = found->second;
+                continue;
+            }
+            const std::vector<std::uint32_t>& others = between[ends];
+            if (ends.first == no_number || ends.first == ends.second || others.size() != 1 ||
+                !share_forms(below_.start(e), edge, above_.edges[EdgeId{others.front()}]))
                 throw InternalError("an edge of the floor is none of the roof's: e" +
                                     std::to_string(e.value));
-            edges[e.value] = found->second;
+            edges[e.value] = others.front();
         }
+    }
+
+    // Do all forms of both edges tie in the vertex below?
+    bool share_forms(VertexId v, const MinimizationDiagram::Edge& one,
+                     const MinimizationDiagram::Edge& other) const {
+        const auto label = below_.label(v);
+        return std::ranges::all_of(std::array{one.left, one.right, other.left, other.right},
+                                   [&](FormId f) { return std::ranges::find(label, f) != label.end(); });
     }
 
     [[noreturn]] void fail(const MinimizationDiagram::Vertex& at) const {

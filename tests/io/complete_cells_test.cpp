@@ -183,6 +183,19 @@ TEST_CASE("complete cells: a part that nothing joins to the others is there, and
     CHECK(certify(with_faces(cell, std::vector(cell.faces.size(), 1))).holds());
 }
 
+TEST_CASE("complete cells: an edge of the box may lie on the base") {
+    // Two sides of the box and the base meet along it: what is above and what is below the base's region have
+    // different pairs of them there.
+    Scene scene;
+    scene.base = Plane{{6, 7, 7}, {0, -2, -1}};
+    scene.objects = {Plane{{3, 8, 2}, {0, 0, 1}}};
+    scene.box = {{-1, 2, 3}, {2, 9, 10}};
+    const Cell cell = complete_cell(scene);
+    check_measures(cell);
+    check_certificate(cell);
+    checked_mesh(cell);
+}
+
 TEST_CASE("complete cells: a cell over the base's region alone is not taken for one") {
     Cell cell = voronoi_cell(row_of_balls());
     CHECK(certify(cell).holds());
