@@ -93,6 +93,12 @@ private:
         return part * (std::isnan(cell_.measures.volume) ? size * size * size / 100 : cell_.measures.volume);
     }
 
+    // What no reader tells from a point, but for cells that are hardly larger themselves.
+    double shortest() const {
+        constexpr double of_cell = 1e-6;
+        return std::min(least_uncertainty, of_cell * cell_diagonal(cell_));
+    }
+
     template <class... Args>
     int add(fmt::format_string<Args...> format, Args&&... args) {
         lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
@@ -214,7 +220,7 @@ private:
     }
 
     void add_product(const std::vector<int>& solids) {
-        constexpr double least_uncertainty = 1e-7, room = 1.2;  // OCCT's floor; what readers round
+        constexpr double room = 1.2;  // what readers round
         const int length = add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", prefix());
         const int angle = add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
         const int solid_angle = add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
@@ -248,10 +254,11 @@ private:
         add("SHAPE_DEFINITION_REPRESENTATION(#{},#{})", shape, representation);
     }
 
+    static constexpr double least_uncertainty = 1e-7;  // OCCT's floor
     const Cell& cell_;
     const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
     const Shell shell_ = closed_shell(cell_);
-    const Solid solid_ = solid_of(shell_, cell_.faces.size());
+    const Solid solid_ = solid_of(shell_, cell_.faces.size(), shortest());
     const double accuracy_ = accuracy();
     std::vector<std::string> lines_;
     std::vector<int> vertices_, surfaces_, edges_, styled_;

@@ -42,61 +42,87 @@ RationalCurve<Dim> over_domain(RationalCurve<Dim> curve, double begin, double en
     return curve;
 }
 
-using Homogeneous = Eigen::Vector4d;
-
-// The polar form of a Bezier curve over `domain` at as many parameters as its degree.
-Homogeneous polar(std::vector<Homogeneous> points, const std::array<double, 2>& domain,
-                  const std::vector<double>& at) {
-    for (const double t : at) {
-        const double s = (t - domain[0]) / (domain[1] - domain[0]);
-        for (std::size_t i = 0; i + 1 < points.size(); ++i)
-            points[i] = (1 - s) * points[i] + s * points[i + 1];
-        points.pop_back();
-    }
-    return points[0];
-}
-
 double choose(int n, int k) { return k == 0 ? 1 : choose(n - 1, k - 1) * n / k; }
 
-// The image of a straight line in a patch's parameters, with the line's parameter: a Bezier curve of degree
-// m + n. Its control point k has all products of m values of u and n of v, k of them from the line's end.
-RationalCurve3 image(const RationalPatch& s, const RationalCurve2& line) {
-    const int m = s.degree_u, n = s.degree_v;
-    const Eigen::Vector3d a = line.points[0], b = line.points[1];
-    const auto mixed = [](double from, double to, int degree, int ends) {
-        std::vector<double> at(static_cast<std::size_t>(degree), from);
-        std::fill_n(at.begin(), ends, to);
-        return at;
-    };
-    RationalCurve3 curve;
-    curve.degree = m + n;
-    curve.knots.assign(static_cast<std::size_t>(m + n + 1), line.domain_begin());
-    for (int k = 0; k <= m + n; ++k) curve.knots.push_back(line.domain_end());
-    for (int k = 0; k <= m + n; ++k) {
-        Homogeneous sum = Homogeneous::Zero();
-        for (int i = std::max(0, k - n); i <= std::min(m, k); ++i) {
-            std::vector<Homogeneous> along_v;
-            for (int l = 0; l <= n; ++l) {
-                std::vector<Homogeneous> along_u;
-                for (int j = 0; j <= m; ++j) {
-                    const Eigen::Vector4d& p = s.point(j, l);
-                    along_u.push_back({p[0] * p[3], p[1] * p[3], p[2] * p[3], p[3]});
-                }
-                along_v.push_back(polar(std::move(along_u), s.domain_u, mixed(a[0], b[0], m, i)));
-            }
-            sum += choose(m, i) * choose(n, k - i) / choose(m + n, k) *
-                   polar(std::move(along_v), s.domain_v, mixed(a[1], b[1], n, k - i));
-        }
-        sum *= std::pow(a[2], m + n - k) * std::pow(b[2], k);
-        curve.points.push_back({sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], sum[3]});
+/// A polynomial over [0, 1] by its Bernstein coefficients.
+using Bernstein = std::vector<double>;
+
+Bernstein product(const Bernstein& a, const Bernstein& b) {
+    const int m = static_cast<int>(a.size()) - 1, n = static_cast<int>(b.size()) - 1;
+    Bernstein result(static_cast<std::size_t>(m + n + 1), 0);
+    for (int i = 0; i <= m; ++i)
+        for (int j = 0; j <= n; ++j)
+            result[static_cast<std::size_t>(i + j)] += choose(m, i) * choose(n, j) / choose(m + n, i + j) *
+                                                       a[static_cast<std::size_t>(i)] *
+                                                       b[static_cast<std::size_t>(j)];
+    return result;
+}
+
+// The patch's Bernstein polynomials in one parameter, times the weight's power: part k along the curve has
+// the coefficients a - from w and to w - a over the domain's length, a the parameter times the weight.
+std::vector<Bernstein> basis_along(const std::array<double, 2>& domain, int degree, const Bernstein& at,
+                                   const Bernstein& weights) {
+    Bernstein up, down;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+        up.push_back(weights[i] * (at[i] - domain[0]) / (domain[1] - domain[0]));
+        down.push_back(weights[i] * (domain[1] - at[i]) / (domain[1] - domain[0]));
     }
+    std::vector<Bernstein> result;
+    for (int k = 0; k <= degree; ++k) {
+        Bernstein term{choose(degree, k)};
+        for (int i = 0; i < degree; ++i) term = product(term, i < k ? up : down);
+        result.push_back(std::move(term));
+    }
+    return result;
+}
+
+// The image of one span of a curve in a patch's parameters, as homogeneous control points.
+std::vector<Eigen::Vector4d> image_of_span(const RationalPatch& s, const RationalCurve2& span) {
+    Bernstein u, v, w;
+    for (const Eigen::Vector3d& p : span.points) {
+        u.push_back(p[0]);
+        v.push_back(p[1]);
+        w.push_back(p[2]);
+    }
+    const std::vector<Bernstein> along_u = basis_along(s.domain_u, s.degree_u, u, w),
+                                 along_v = basis_along(s.domain_v, s.degree_v, v, w);
+    std::vector<Eigen::Vector4d> points(static_cast<std::size_t>(span.degree * (s.degree_u + s.degree_v)) + 1,
+                                        Eigen::Vector4d::Zero());
+    for (int i = 0; i <= s.degree_u; ++i)
+        for (int j = 0; j <= s.degree_v; ++j) {
+            const Eigen::Vector4d& p = s.point(i, j);
+            const Bernstein factor =
+                product(along_u[static_cast<std::size_t>(i)], along_v[static_cast<std::size_t>(j)]);
+            for (std::size_t k = 0; k < points.size(); ++k)
+                points[k] += factor[k] * p[3] * Eigen::Vector4d(p[0], p[1], p[2], 1);
+        }
+    return points;
+}
+
+// The image of a curve in a patch's parameters, with the curve's parameter: of as many times its degree as
+// the patch has in both parameters, span by span.
+RationalCurve3 image(const RationalPatch& s, const RationalCurve2& c) {
+    std::vector<double> ends(c.knots.begin(), c.knots.end());
+    ends.erase(std::ranges::unique(ends).begin(), ends.end());
+    RationalCurve3 curve;
+    curve.degree = c.degree * (s.degree_u + s.degree_v);
+    const auto times = static_cast<std::size_t>(curve.degree);
+    curve.knots.push_back(ends.front());
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+        const auto span = image_of_span(s, restricted(c, ends[i], ends[i + 1]));
+        for (std::size_t k = i == 0 ? 0 : 1; k < span.size(); ++k)
+            curve.points.push_back(
+                {span[k][0] / span[k][3], span[k][1] / span[k][3], span[k][2] / span[k][3], span[k][3]});
+        curve.knots.insert(curve.knots.end(), times, ends[i]);
+    }
+    curve.knots.insert(curve.knots.end(), times + 1, ends.back());
     return curve;
 }
 
 class Builder {
 public:
-    Builder(const Shell& shell, std::size_t cell_faces)
-        : shell_(shell), cell_faces_(cell_faces), cuts_(shell.edges.size()) {
+    Builder(const Shell& shell, std::size_t cell_faces, double shortest)
+        : shell_(shell), cell_faces_(cell_faces), shortest_(shortest), cuts_(shell.edges.size()) {
         solid_.off = shell.off_plane;
     }
 
@@ -107,6 +133,7 @@ public:
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f)
             for (const TrimmedPatch& patch : shell_.faces[f].patches) add_face(f, patch);
         check_uses();
+        drop_short_edges();
         find_parts();
         return std::move(solid_);
     }
@@ -222,20 +249,29 @@ private:
             note_along(seam.curve, trim, surface);
             return {known->second, true, std::move(trim)};
         }
-        const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
-                        &after = loop[(i + 1) % loop.size()];
-        if (!before.edge || !after.edge || c.curve.degree != 1 || c.curve.points.size() != 2)
-            throw InternalError("solid_of: a seam that is not straight from edge to edge");
         const auto e = static_cast<std::uint32_t>(solid_.edges.size());
-        solid_.edges.push_back({{cuts_[*before.edge].vertices[place(before)[before.reversed ? 0 : 1]],
-                                 cuts_[*after.edge].vertices[place(after)[after.reversed ? 1 : 0]]},
-                                image(surface, c.curve)});
+        RationalCurve3 curve = image(surface, c.curve);
+        solid_.edges.push_back({seam_ends(loop, i, curve), std::move(curve)});
         const Solid::Edge& seam = solid_.edges.back();
         note(solid_.vertices[seam.vertices[0]], seam.curve.evaluate(seam.curve.domain_begin()));
         note(solid_.vertices[seam.vertices[1]], seam.curve.evaluate(seam.curve.domain_end()));
         note_along(seam.curve, c.curve, surface);
         seams_[*c.seam] = e;
         return {e, false, c.curve};
+    }
+
+    // A seam runs from edge to edge, or alone around a face that has no edge there.
+    std::array<std::uint32_t, 2> seam_ends(const std::vector<TrimCurve>& loop, std::size_t i,
+                                           const RationalCurve3& curve) {
+        if (loop.size() == 1) {
+            const std::uint32_t v = add_vertex(curve.evaluate(curve.domain_begin()));
+            return {v, v};
+        }
+        const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
+                        &after = loop[(i + 1) % loop.size()];
+        if (!before.edge || !after.edge) throw InternalError("solid_of: seams that meet");
+        return {cuts_[*before.edge].vertices[place(before)[before.reversed ? 0 : 1]],
+                cuts_[*after.edge].vertices[place(after)[after.reversed ? 1 : 0]]};
     }
 
     void note_along(const RationalCurve3& curve, const RationalCurve2& trim, const RationalPatch& surface) {
@@ -260,6 +296,68 @@ private:
         for_each_use([&](std::uint32_t, const Solid::Use& use) { ++uses[use.edge][use.reversed ? 1 : 0]; });
         if (std::ranges::any_of(uses, [](const auto& n) { return n[0] != 1 || n[1] != 1; }))
             throw InternalError("solid_of: an edge that is not used once each way");
+    }
+
+    // Where three sides of the box run through a point of the base, or a curve through a corner, rounding may
+    // leave an edge of no length between: other programs have no curve there.
+    void drop_short_edges() {
+        const double most = std::max(shortest_, solid_.off);
+        std::vector<std::uint32_t> leader(solid_.vertices.size()), number(solid_.edges.size(), UINT32_MAX);
+        std::iota(leader.begin(), leader.end(), 0u);
+        const auto find = [&](std::uint32_t v) {
+            while (leader[v] != v) v = leader[v];
+            return v;
+        };
+        std::vector<Solid::Edge> kept;
+        for (std::size_t e = 0; e < solid_.edges.size(); ++e) {
+            const auto& [ends, curve] = solid_.edges[e];
+            const Vec3& start = solid_.vertices[ends[0]];
+            const bool is_short =
+                ends[0] != ends[1] && std::ranges::all_of(curve.points, [&](const Eigen::Vector4d& p) {
+                    return (p.head<3>() - start).norm() <= most;
+                });
+            if (is_short) {
+                const std::uint32_t a = find(ends[0]), b = find(ends[1]);
+                leader[std::max(a, b)] = std::min(a, b);
+                continue;
+            }
+            number[e] = static_cast<std::uint32_t>(kept.size());
+            kept.push_back(solid_.edges[e]);
+        }
+        if (kept.size() == solid_.edges.size()) return;
+        solid_.edges = std::move(kept);
+        for (Solid::Edge& edge : solid_.edges) {
+            for (std::uint32_t& v : edge.vertices) v = find(v);
+            note(solid_.vertices[edge.vertices[0]], edge.curve.evaluate(edge.curve.domain_begin()));
+            note(solid_.vertices[edge.vertices[1]], edge.curve.evaluate(edge.curve.domain_end()));
+        }
+        for (Solid::Face& face : solid_.faces) {
+            for (auto& loop : face.loops) {
+                std::erase_if(loop, [&](const Solid::Use& use) { return number[use.edge] == UINT32_MAX; });
+                for (Solid::Use& use : loop) use.edge = number[use.edge];
+            }
+            // What had short edges alone for its boundary has no extent.
+            if (face.loops.front().empty())
+                face.loops.clear();
+            else
+                std::erase_if(face.loops, [](const auto& loop) { return loop.empty(); });
+        }
+        std::erase_if(solid_.faces, [](const Solid::Face& face) { return face.loops.empty(); });
+        drop_lone_vertices();
+    }
+
+    void drop_lone_vertices() {
+        std::vector<std::uint32_t> number(solid_.vertices.size(), UINT32_MAX);
+        std::vector<Vec3> kept;
+        for (Solid::Edge& edge : solid_.edges)
+            for (std::uint32_t& v : edge.vertices) {
+                if (number[v] == UINT32_MAX) {
+                    number[v] = static_cast<std::uint32_t>(kept.size());
+                    kept.push_back(solid_.vertices[v]);
+                }
+                v = number[v];
+            }
+        solid_.vertices = std::move(kept);
     }
 
     void find_parts() {
@@ -287,6 +385,7 @@ private:
 
     const Shell& shell_;
     std::size_t cell_faces_;
+    double shortest_;
     std::vector<Cuts> cuts_;
     std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> edge
     Solid solid_;
@@ -294,6 +393,8 @@ private:
 
 }  // namespace
 
-Solid solid_of(const Shell& shell, std::size_t cell_faces) { return Builder(shell, cell_faces).build(); }
+Solid solid_of(const Shell& shell, std::size_t cell_faces, double shortest) {
+    return Builder(shell, cell_faces, shortest).build();
+}
 
 }  // namespace vcell

@@ -37,8 +37,9 @@ struct Solid {
     double off = 0;
 };
 
-/// `cell_faces` is how many of the shell's faces are the cell's own. The shell must outlive the result.
-/// Throws InternalError where an edge is not used once each way.
-Solid solid_of(const Shell& shell, std::size_t cell_faces);
+/// `cell_faces` is how many of the shell's faces are the cell's own. The shell must outlive the result. Edges
+/// within `shortest`, a length, or within what the solid is off otherwise, of where they start are left out:
+/// their ends are one vertex. Throws InternalError where an edge is not used once each way.
+Solid solid_of(const Shell& shell, std::size_t cell_faces, double shortest = 0);
 
 }  // namespace vcell

@@ -136,6 +136,60 @@ TEST_CASE("step: a base plane that leans has walls where the box goes on above i
     }
 }
 
+TEST_CASE("step: a face without an edge has its seam for one, closed, with its curves on both patches") {
+    Scene scene;
+    scene.base = Sphere{{6, 3, 6}, 1};
+    scene.objects = {HollowSphere{{2, 5, 4}, 5}};
+    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+    const Cell cell = voronoi_cell(scene);
+    const Shell shell = closed_shell(cell);
+    const Solid solid = solid_of(shell, cell.faces.size());
+    CHECK(solid.vertices.size() == 1);
+    REQUIRE(solid.edges.size() == 1);
+    CHECK(solid.faces.size() == 2);
+    CHECK(solid.parts.size() == 1);
+    CHECK(solid.off < 1e-12);
+    const RationalCurve3& curve = solid.edges[0].curve;
+    for (const Solid::Face& face : solid.faces)
+        for (int k = 0; k <= 100; ++k) {
+            const double t = curve.domain_begin() + (curve.domain_end() - curve.domain_begin()) * k / 100;
+            const Vec2 uv = face.loops.at(0).at(0).curve.evaluate(t);
+            const Vec3 p = curve.evaluate(t);
+            CHECK((face.surface->evaluate(uv.x(), uv.y()) - p).norm() < 1e-12);
+            // As far from the ball as from the wall.
+            CHECK((p - Vec3(6, 3, 6)).norm() + (p - Vec3(2, 5, 4)).norm() ==
+                  doctest::Approx(6).epsilon(1e-13));
+        }
+}
+
+TEST_CASE("step: where the base runs through a corner of the box no edge is a point") {
+    const std::pair<Plane, Box> cases[] = {{{{5, 5, 3}, {-2, -1, 2}}, {{3, 1, 3}, {7, 8, 11}}},
+                                           {{{6, 7, 3}, {-2, 2, 1}}, {{-1, 1, 1}, {6, 8, 9}}},
+                                           {{{1, 7, 3}, {-1, -2, 2}}, {{-1, 1, 1}, {2, 6, 5}}}};
+    for (const auto& [base, box] : cases) {
+        Scene scene;
+        scene.base = base;
+        scene.box = box;
+        const Cell cell = voronoi_cell(scene);
+        const Shell shell = closed_shell(cell);
+        const Solid solid = solid_of(shell, cell.faces.size(), 1e-7);
+        CHECK(solid.parts.size() == 1);
+        CHECK(solid.off < 1e-9);
+        CHECK(solid.vertices.size() + solid.faces.size() == solid.edges.size() + 2);
+        for (const Solid::Edge& e : solid.edges) {
+            CHECK(e.vertices[0] != e.vertices[1]);
+            CHECK((solid.vertices[e.vertices[0]] - solid.vertices[e.vertices[1]]).norm() > 1e-3);
+        }
+        for (const Solid::Face& face : solid.faces)
+            for (const auto& loop : face.loops)
+                for (std::size_t i = 0; i < loop.size(); ++i) {
+                    const Solid::Use &use = loop[i], &next = loop[(i + 1) % loop.size()];
+                    CHECK(solid.edges[use.edge].vertices[use.reversed ? 0 : 1] ==
+                          solid.edges[next.edge].vertices[next.reversed ? 1 : 0]);
+                }
+    }
+}
+
 TEST_CASE("spline surface: knots leave the patch where it is") {
     RationalPatch patch;
     patch.degree_u = 2;
