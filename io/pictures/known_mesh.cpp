@@ -79,6 +79,15 @@ std::vector<double> parameters_along(const RationalCurve3& curve, const std::vec
     return result;
 }
 
+double nearest_parameter(const RationalCurve3& curve, const Vec3& p) {
+    constexpr double near = 0x1p-20;
+    const Steps steps(curve, 32);
+    std::size_t at = 0;
+    for (std::size_t i = 1; i < steps.points.size(); ++i)
+        if (steps.square(i, p) < steps.square(at, p)) at = i;
+    return steps.nearest(at, p, near);
+}
+
 double distance_from_curve(const RationalCurve3& curve, const Vec3& p, double enough) {
     // Where a curve is run through unevenly its middle stays away from p for longer than parameters show.
     constexpr double exact = 0x1p-44;

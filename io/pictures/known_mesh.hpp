@@ -36,6 +36,9 @@ CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMes
 /// its end: of the nearest points of the curve, ascending.
 std::vector<double> parameters_along(const RationalCurve3& curve, const std::vector<Vec3>& points);
 
+/// The parameter of the curve's point that is nearest to p.
+double nearest_parameter(const RationalCurve3& curve, const Vec3& p);
+
 /// The distance of p from the curve, or if that is more than `enough`, no less: where p is near the curve's
 /// middle parameter that is quickly seen.
 double distance_from_curve(const RationalCurve3& curve, const Vec3& p, double enough);

@@ -11,6 +11,7 @@
 
 #include "../../core/errors.hpp"
 #include "../solids/shell.hpp"
+#include "folds.hpp"
 #include "known_mesh.hpp"
 #include "mesh_shape.hpp"
 #include "polygons.hpp"
@@ -27,6 +28,8 @@ constexpr std::uint32_t none = UINT32_MAX;
 struct SampledLine {
     std::vector<double> parameters;
     std::vector<std::uint32_t> points;
+    // Where the first and last point of a closed line is, if not where the curve begins.
+    std::optional<double> closing_parameter;
 };
 
 // A line has a point at each break: the nearest one, or where that stands for another break or an end, this
@@ -123,12 +126,16 @@ public:
             lines_[e].breaks = {curve.domain_begin(), curve.domain_end()};
             lines_[e].chord = chords.of_edges[e];
         }
-        for_each_curve([&](const TrimCurve& c, const RationalPatch& s, double chord) {
+        for_each_curve([&](const TrimCurve& c, const RationalPatch& s, double chord, bool is_loop) {
             if (!c.edge && !c.seam) throw InternalError("tessellate: a trimming curve along nothing");
             if (c.seam) {
                 const auto [at, is_new] =
                     seams_.try_emplace(*c.seam, static_cast<std::uint32_t>(lines_.size()));
-                if (is_new) lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, 1, chord});
+                if (is_new)
+                    lines_.push_back({{},
+                                      {c.curve.domain_begin(), c.curve.domain_end()},
+                                      is_loop ? least_around : 1,
+                                      chord});
             }
             Line& line = lines_[line_of(c)];
             line.uses.push_back({&c, &s, chord});
@@ -149,17 +156,21 @@ public:
         sample_lines();
         for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
 
+        std::vector<std::pair<std::size_t, std::size_t>> drawn;
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
             if (is_known_face(f))
                 add_known_face(*known_.faces[f]);
             else
                 for (const TrimmedPatch& patch : shell_.faces[f].patches) {
+                    const std::size_t before = mesh_.triangles.size();
                     add_patch(patch, chords_.of_faces[f]);
+                    drawn.emplace_back(before, mesh_.triangles.size());
                     check_size();
                 }
             add_group(f, begin);
         }
+        separate_sides(mesh_, drawn);
         for (std::size_t e = 0; e < cell_.edges.size(); ++e)
             mesh_.edge_lines.push_back(is_known_line(e) ? known_.lines[e] : sampled_[e].points);
         check_size();
@@ -217,7 +228,8 @@ private:
             if (!is_known_face(i))
                 for (const TrimmedPatch& patch : shell_.faces[i].patches)
                     for (const auto& loop : patch.loops)
-                        for (const TrimCurve& c : loop) f(c, patch.surface, chords_.of_faces[i]);
+                        for (const TrimCurve& c : loop)
+                            f(c, patch.surface, chords_.of_faces[i], loop.size() == 1);
     }
 
     std::uint32_t line_of(const TrimCurve& c) const { return c.edge ? *c.edge : seams_.at(*c.seam); }
@@ -259,14 +271,16 @@ private:
     }
 
     // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
-    // points of its own beside its ends, whatever the chord.
+    // points of its own beside its ends, whatever the chord. A seam has them only where it is a loop.
+    static constexpr std::size_t least_around = 8;
     static std::size_t first_pieces(const CellEdge& e) {
-        if (e.vertices.empty()) return 8;
+        if (e.vertices.empty()) return least_around;
         return e.kind == CurveKind::Line ? 1 : 2;
     }
 
     // Whether the stretch [from, to] of a line needs a point between: for the curve itself, and for the
-    // patches on both sides, whose inner sides could not be shorter than those on the boundary.
+    // patches on both sides, whose inner sides could not be shorter than those on the boundary, and which
+    // have nothing of the face beyond the line.
     bool too_coarse(std::size_t line, double from, double to) const {
         if (line < shell_.edges.size()) {
             const RationalCurve3& curve = shell_.edges[line].curve;
@@ -276,7 +290,10 @@ private:
             const RationalCurve2& curve = use.curve->curve;
             const double a = trim_parameter(*use.curve, from), b = trim_parameter(*use.curve, to);
             if (std::max(a, b) <= curve.domain_begin() || std::min(a, b) >= curve.domain_end()) continue;
-            if (deviation(*use.patch, curve.evaluate(a), curve.evaluate(b)) > use.chord) return true;
+            const Vec2 from_uv = curve.evaluate(a), to_uv = curve.evaluate(b);
+            if (deviation(*use.patch, from_uv, to_uv) > use.chord ||
+                strays(*use.patch, from_uv, to_uv, use.chord))
+                return true;
         }
         return false;
     }
@@ -315,7 +332,9 @@ private:
         if (lines_[e].uses.empty()) return;
         std::vector<Vec3> points;
         for (const std::uint32_t p : s.points) points.push_back(known_.points[p]);
-        s.parameters = parameters_along(shell_.edges[e].curve, points);
+        const CellEdge& edge = shell_.edges[e];
+        s.parameters = parameters_along(edge.curve, points);
+        if (edge.vertices.empty()) s.closing_parameter = nearest_parameter(edge.curve, points.front());
         break_up(s, lines_[e].breaks);
     }
 
@@ -363,20 +382,25 @@ private:
         }
     }
 
-    // A seam runs from edge to edge, and shares their points.
+    // A seam runs from edge to edge, and shares their points, or alone around a face that has no edge there.
     void sample_seam(const std::vector<TrimCurve>& loop, std::size_t i, const RationalPatch& surface) {
         const TrimCurve& c = loop[i];
         if (!c.seam || seam_leader(c) != &c) return;
+        const bool is_loop = loop.size() == 1;
         const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
                         &after = loop[(i + 1) % loop.size()];
-        if (!before.edge || !after.edge) throw InternalError("tessellate: seams that meet");
+        if (!is_loop && (!before.edge || !after.edge)) throw InternalError("tessellate: seams that meet");
         SampledLine& s = sampled_[line_of(c)];
-        s.points.push_back(polyline(before).back().point);
-        for (std::size_t k = 1; k + 1 < s.parameters.size(); ++k) {
-            const Vec2 uv = c.curve.evaluate(s.parameters[k]);
+        const auto add = [&](double t) {
+            const Vec2 uv = c.curve.evaluate(t);
             s.points.push_back(add_point(surface.evaluate(uv.x(), uv.y())));
-        }
-        s.points.push_back(polyline(after).front().point);
+        };
+        if (is_loop)
+            add(s.parameters.front());
+        else
+            s.points.push_back(polyline(before).back().point);
+        for (std::size_t k = 1; k + 1 < s.parameters.size(); ++k) add(s.parameters[k]);
+        s.points.push_back(is_loop ? s.points.front() : polyline(after).front().point);
     }
 
     std::uint32_t add_point(const Vec3& p) {
@@ -391,10 +415,13 @@ private:
         const double a = line_parameter(c, c.curve.domain_begin()),
                      b = line_parameter(c, c.curve.domain_end());
         const double slack = break_rounding * (s.parameters.back() - s.parameters.front());
+        const bool is_whole = std::max(a, b) - std::min(a, b) == s.parameters.back() - s.parameters.front();
         std::vector<LoopPoint> result;
         for (std::size_t i = 0; i < s.points.size(); ++i) {
-            const double t = s.parameters[i];
+            double t = s.parameters[i];
             if (t < std::min(a, b) - slack || t > std::max(a, b) + slack) continue;
+            if (is_whole && s.closing_parameter && (i == 0 || i + 1 == s.points.size()))
+                t = *s.closing_parameter;
             result.push_back({s.points[i], c.curve.evaluate(trim_parameter(c, t)), line});
         }
         if (a > b) std::reverse(result.begin(), result.end());
@@ -441,6 +468,12 @@ private:
         return any;
     }
 
+    std::vector<Vec3> places_of(const std::vector<std::uint32_t>& points) const {
+        std::vector<Vec3> places;
+        for (const std::uint32_t p : points) places.push_back(mesh_.points[p]);
+        return places;
+    }
+
     void add_patch(const TrimmedPatch& patch, double chord) {
         const RationalPatch& s = patch.surface;
         const std::vector<std::vector<LoopPoint>> loops = polygons(patch);
@@ -463,6 +496,7 @@ private:
             uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, back * a, back * b) > chord; },
             point.size() + left / 2 + 1);
         for (Vec2& p : t.points) p = back * p;
+        turn_back(s, places_of(point), t);
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
         for (std::size_t i = 0; i < t.points.size(); ++i) {
             const double u = t.points[i].x(), v = t.points[i].y();

@@ -45,6 +45,17 @@ double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
     return most;
 }
 
+bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord) {
+    const Vec3 from = s.evaluate(a.x(), a.y()), to = s.evaluate(b.x(), b.y());
+    constexpr double of_length = 0.125;
+    const double allowed = std::max(chord, of_length * (to - from).norm());
+    const auto is_off = [&](double t) {
+        const Vec2 uv = (1 - t) * a + t * b;
+        return distance_from_segment(s.evaluate(uv.x(), uv.y()), from, to) > allowed;
+    };
+    return is_off(0.5) || is_off(0.25) || is_off(0.75);
+}
+
 Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vector<Vec2>>& loops) {
     Eigen::Matrix2d mean = Eigen::Matrix2d::Zero();
     for (const auto& loop : loops)

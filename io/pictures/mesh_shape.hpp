@@ -18,6 +18,11 @@ double deviation(const RationalCurve3& curve, double from, double to);
 /// middle is far from that of the side, the quarters tell, too.
 double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b);
 
+/// Does the patch's image of the side from a to b, straight in parameters, leave the segment between its ends
+/// by more than `chord` and by more than an eighth of its length? Along a face's boundary it must not,
+/// however it lies on the surface: what is beyond is not the face's.
+bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord);
+
 /// Parameters turned and stretched so that triangles that are round in them are about as round in space: a
 /// linear map whose square is the patch's metric, each place's of determinant 1, in the mean of these places.
 /// The identity where that is not worth the rounding.

@@ -34,12 +34,35 @@ struct Soup {
     VoronoiDiagram diagram;
     std::vector<Facet> facets;
     std::map<std::uint32_t, double> volumes;  // of each object's meshes
-    std::size_t not_closed = 0, drawn_again = 0;
+    std::size_t not_closed = 0, drawn_again = 0, doubled_sides = 0, turned_over = 0;
+    double most_beyond = 0;  // the box
 
     bool has_cell(const Site& site) const {
         return site.is_object() && diagram.cells[site.index].state == DiagramCell::State::Computed;
     }
 };
+
+// Sides that more than one triangle has in the same direction.
+std::size_t doubled_sides(const CellMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> count;
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) ++count[{t[k], t[(k + 1) % 3]}];
+    return static_cast<std::size_t>(std::ranges::count_if(count, [](const auto& c) { return c.second > 1; }));
+}
+
+// Triangles of some extent that look the other way than the surface at their corners.
+std::size_t turned_over(const CellMesh& mesh) {
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const Vec3 across = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]);
+        Vec3 normal = Vec3::Zero();
+        for (const std::uint32_t n : mesh.corner_normals[t]) normal += mesh.normals[n];
+        constexpr double extent = 1e-5;
+        count += across.norm() > extent && across.dot(normal) < 0;
+    }
+    return count;
+}
 
 template <class MeshOf>
 Soup soup_of(const DiagramScene& scene, MeshOf&& mesh_of) {
@@ -51,6 +74,11 @@ Soup soup_of(const DiagramScene& scene, MeshOf&& mesh_of) {
         const CellMesh mesh = mesh_of(object, cell);
         if (!is_closed(mesh)) ++soup.not_closed;
         soup.volumes[object] += volume(mesh);
+        soup.doubled_sides += doubled_sides(mesh);
+        soup.turned_over += turned_over(mesh);
+        for (const Vec3& p : mesh.points)
+            soup.most_beyond =
+                std::max({soup.most_beyond, (scene.box.min - p).maxCoeff(), (p - scene.box.max).maxCoeff()});
         for (const CellMesh::Group& g : mesh.groups)
             for (std::size_t t = g.begin; t < g.end; ++t) {
                 const auto& [a, b, c] = mesh.triangles[t];
@@ -155,6 +183,7 @@ double box_volume(const DiagramScene& scene) { return scene.edges().determinant(
 void check_fits(const DiagramScene& scene) {
     const Soup soup = conforming(scene);
     CHECK(soup.not_closed == 0);
+    CHECK(soup.doubled_sides == 0);
     CHECK(soup.drawn_again == 0);
     REQUIRE(soup.facets.size() > 0);
     CHECK(lone_triangles(soup) == 0);
@@ -287,6 +316,58 @@ TEST_CASE("conforming meshes: cells of planes and of a tube along the box fit wi
     objects.push_back(Cylinder{{0, -1, 5}, {1, 0, 0}, 0.25});
     objects.insert(objects.begin(), Cylinder{{0, 4, 1}, {1, 0, 0}, 0.5});
     check_fits(scene_of(objects, box));
+}
+
+TEST_CASE("conforming meshes: tubes along different axes of the box agree about its sides") {
+    check_fits(scene_of({Sphere{{4, 1, 6}, 1}, Sphere{{5, 8, 2}, 1}, Cylinder{{5, 0, 0}, {0, 0, -1}, 1},
+                         Cylinder{{0, 3, 3}, {0, -1, 0}, 2}},
+                        {Vec3::Constant(-1), Vec3::Constant(9)}));
+    check_fits(scene_of({Cylinder{{0, 3, 3}, {2, 0, 0}, 1}, Cylinder{{7, 7, 0}, {0, 0, 1}, 1}},
+                        {Vec3::Constant(-1), Vec3::Constant(9)}));
+}
+
+TEST_CASE(
+    "conforming meshes: a side is one of two triangles, in a part of a tube's cell as flat as that, too") {
+    const Soup soup =
+        conforming(scene_of({Cylinder{{6, 6, 8}, {0, -2, -1}, 0}, Cylinder{{6, 0, 7}, {2, 0, 1}, 1},
+                             Sphere{{3, 0, 2}, 0}, Cylinder{{6, 7, 5}, {-1, 0, 2}, 0}},
+                            {Vec3::Constant(-1), Vec3::Constant(9)}));
+    CHECK(soup.facets.size() > 100);
+    CHECK(soup.not_closed == 0);
+    CHECK(soup.doubled_sides == 0);
+}
+
+TEST_CASE("conforming meshes: no triangle is turned over beyond an edge that bends inwards") {
+    // A side of the box cuts the first one's face in an edge that inner sides of triangles nearly reach; in
+    // the second one parameters run along two edges as they do nowhere near.
+    const Soup cut =
+        conforming(scene_of({Sphere{{0, 4, 7}, 2}, Cylinder{{0, 2, 8}, {0, 0, 1}, 1}, Sphere{{6, 4, 5}, 3},
+                             Cylinder{{3, 3, 5}, {0, 0, 1}, 1}, Cylinder{{6, 7, 5}, {2, 1, -2}, 1},
+                             Cylinder{{2, 6, 1}, {-1, -1, 1}, 0}},
+                            {Vec3::Constant(-1), Vec3::Constant(9)}));
+    const Soup bent =
+        conforming(scene_of({Cylinder{{3, 8, 8}, {1, -2, -1}, 0}, Cylinder{{2, 8, 1}, {0, 0, -1}, 1},
+                             Sphere{{1, 5, 8}, 1}, Cylinder{{3, 7, 8}, {1, 2, 1}, 0}},
+                            {Vec3::Zero(), Vec3::Constant(8)}));
+    for (const Soup* soup : {&cut, &bent}) {
+        REQUIRE(soup->facets.size() > 100);
+        CHECK(soup->not_closed == 0);
+        CHECK(soup->turned_over == 0);
+        CHECK(soup->most_beyond < 1e-9);
+    }
+}
+
+TEST_CASE("conforming meshes: a closed edge that another cell has drawn from elsewhere on makes no crowd") {
+    const DiagramScene scene = scene_of({Sphere{{6, 0, 7}, 1}, Sphere{{7, 2, 4}, 0}, Sphere{{5, 0, 5}, 0},
+                                         Sphere{{0, 2, 3}, 0}, Sphere{{6, 0, 3}, 2}},
+                                        {Vec3::Constant(-1), Vec3::Constant(9)});
+    check_fits(scene);
+    const Soup soup = conforming(scene);
+    CHECK(soup.facets.size() < 4000);
+    const auto is_point = [](const Soup::Facet& f) {
+        return (f.corners[1] - f.corners[0]).norm() < 1e-6 || (f.corners[2] - f.corners[1]).norm() < 1e-6;
+    };
+    CHECK(std::ranges::none_of(soup.facets, is_point));
 }
 
 TEST_CASE("conforming meshes: in a vessel what is towards its wall bounds what balls have of it") {

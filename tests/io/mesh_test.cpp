@@ -183,6 +183,29 @@ TEST_CASE("triangulate: refinement ends even where the polygon's own sides are t
     CHECK(t.points.size() <= 1020);
 }
 
+TEST_CASE("mesh: a surface that is all of the cell, without an edge, is closed along its seam") {
+    // An ellipsoid with the centres for foci: half-axes 3, and twice the root of 9 - 6.
+    Scene scene;
+    scene.base = Sphere{{6, 3, 6}, 1};
+    scene.objects = {HollowSphere{{2, 5, 4}, 5}};
+    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(cell.edges.empty());
+    const double exact = 4.0 / 3 * std::numbers::pi * 3 * 3;
+    double previous = exact;
+    for (const double chord : {0.1, 0.01, 0.001}) {
+        const CellMesh mesh = tessellate(cell, {chord, true});
+        const Topology t = topology(mesh.triangles);
+        CHECK(t.manifold);
+        CHECK(t.rim == 0);
+        CHECK(t.euler == 2);
+        const double error = std::abs(volume(mesh) - exact);
+        CHECK(error < cell.measures.area * chord);
+        CHECK(error < previous);
+        previous = error;
+    }
+}
+
 TEST_CASE("mesh: open and closed, whole and with an island") {
     // Volumes under min(z(x, y), height) over [-1, 1]^2: for the paraboloid 4 (2/3 + 15/16) / (5/2); with
     // a ceiling at 0.6 above the disk of radius 3/4, 4 * 0.6 less the cap pi r^2 (0.6 - 0.375) / 2.

@@ -1,0 +1,177 @@
+#include "folds.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vcell {
+
+namespace {
+
+class TurnedBack {
+public:
+    TurnedBack(const RationalPatch& s, const std::vector<Vec3>& polygon, Triangulation& t)
+        : surface_(s), inner_(polygon.size()), t_(t), places_(polygon) {
+        places_.resize(t.points.size());
+        normals_.resize(t.points.size());
+        for (std::size_t i = 0; i < t.points.size(); ++i) {
+            if (i >= inner_) places_[i] = s.evaluate(t.points[i].x(), t.points[i].y());
+            normals_[i] = normal(t.points[i]);
+        }
+    }
+
+    void run() {
+        for (const Triangle& v : t_.triangles)
+            for (const std::uint32_t i : v)
+                if (i >= inner_ && is_over(v)) move(i);
+    }
+
+private:
+    Vec3 normal(const Vec2& p) const {
+        const auto [du, dv] = surface_.partials(p.x(), p.y());
+        return du.cross(dv).stableNormalized();
+    }
+    bool is_over(const Triangle& v) const {
+        const Vec3 &a = places_[v[0]], &b = places_[v[1]], &c = places_[v[2]];
+        return (b - a).cross(c - a).dot(normals_[v[0]] + normals_[v[1]] + normals_[v[2]]) < 0;
+    }
+    void put(std::uint32_t i, const Vec2& p) {
+        t_.points[i] = p;
+        places_[i] = surface_.evaluate(p.x(), p.y());
+        normals_[i] = normal(p);
+    }
+    void move(std::uint32_t i) {
+        std::vector<Triangle> around;
+        Vec2 sum = Vec2::Zero();
+        for (const Triangle& v : t_.triangles)
+            for (std::size_t k = 0; k < 3; ++k)
+                if (v[k] == i) {
+                    around.push_back(v);
+                    sum += t_.points[v[(k + 1) % 3]];
+                }
+        const Vec2 from = t_.points[i], middle = sum / static_cast<double>(around.size());
+        for (const double part : {0.25, 0.5, 0.75, 1.0}) {
+            put(i, (1 - part) * from + part * middle);
+            if (std::ranges::none_of(around, [&](const Triangle& v) { return is_over(v); })) return;
+        }
+        put(i, from);
+    }
+
+    const RationalPatch& surface_;
+    std::size_t inner_;
+    Triangulation& t_;
+    std::vector<Vec3> places_, normals_;
+};
+
+/// A corner of a triangle of the mesh.
+struct MeshCorner {
+    std::uint32_t point, normal;
+};
+
+class Separator {
+public:
+    Separator(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn)
+        : mesh_(mesh), patch_of_(mesh.triangles.size(), none) {
+        for (std::uint32_t p = 0; p < drawn.size(); ++p)
+            std::fill(patch_of_.begin() + static_cast<std::ptrdiff_t>(drawn[p].first),
+                      patch_of_.begin() + static_cast<std::ptrdiff_t>(drawn[p].second), p);
+        for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+            for (std::uint32_t k = 0; k < 3; ++k) sides_.push_back(side(t, k));
+        std::ranges::sort(sides_);
+    }
+
+    void run() {
+        std::vector<Side> doubled;
+        for (std::size_t i = 1; i < sides_.size(); ++i)
+            if (sides_[i] == sides_[i - 1]) doubled.push_back(sides_[i]);
+        for (const Side& s : doubled) separate(s);
+    }
+
+private:
+    static constexpr std::uint32_t none = UINT32_MAX;
+    using Side = std::pair<std::uint32_t, std::uint32_t>;
+    struct Place {
+        std::uint32_t triangle, k;
+    };
+    /// Two triangles of one patch on both sides of a side, and how they look with the other diagonal.
+    struct Flip {
+        Place first, second;
+        std::array<MeshCorner, 4> corners;  // a, b, c and d: a to b is the side, c and d are across it
+        double least;                       // of the two new triangles, along their normals
+    };
+
+    Side side(std::uint32_t t, std::uint32_t k) const {
+        return {mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]};
+    }
+    MeshCorner corner(const Place& p, std::uint32_t further) const {
+        const std::uint32_t k = (p.k + further) % 3;
+        return {mesh_.triangles[p.triangle][k], mesh_.corner_normals[p.triangle][k]};
+    }
+    bool is_side(const Side& s) const { return std::ranges::binary_search(sides_, s); }
+    std::vector<Place> all(const Side& s) const {
+        std::vector<Place> places;
+        for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+            for (std::uint32_t k = 0; k < 3; ++k)
+                if (side(t, k) == s) places.push_back({t, k});
+        return places;
+    }
+    // Twice the triangle's area along its normals.
+    double extent(const MeshCorner& a, const MeshCorner& b, const MeshCorner& c) const {
+        const Vec3 &p = mesh_.points[a.point], &q = mesh_.points[b.point], &r = mesh_.points[c.point];
+        return (q - p).cross(r - p).dot(
+            (mesh_.normals[a.normal] + mesh_.normals[b.normal] + mesh_.normals[c.normal]).normalized());
+    }
+
+    void separate(const Side& s) {
+        std::optional<Flip> best;
+        const std::vector<Place> uses = all(s);
+        if (uses.size() < 2) return;  // a flip for the side's other direction
+        for (const Place& first : uses)
+            for (const Place& second : all({s.second, s.first})) {
+                const std::uint32_t patch = patch_of_[first.triangle];
+                if (patch == none || patch != patch_of_[second.triangle]) continue;
+                const MeshCorner a = corner(first, 0), b = corner(first, 1), c = corner(first, 2),
+                                 d = corner(second, 2);
+                if (a.normal != corner(second, 1).normal || b.normal != corner(second, 0).normal) continue;
+                if (c.point == d.point || is_side({c.point, d.point}) || is_side({d.point, c.point}))
+                    continue;
+                const double least = std::min(extent(a, d, c), extent(d, b, c));
+                if (!best || least > best->least) best = Flip{first, second, {a, b, c, d}, least};
+            }
+        if (best) flip(*best);
+    }
+
+    void flip(const Flip& flip) {
+        const auto& [a, b, c, d] = flip.corners;
+        const auto put = [&](const Place& at, const std::array<MeshCorner, 3>& v) {
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                mesh_.triangles[at.triangle][k] = v[k].point;
+                mesh_.corner_normals[at.triangle][k] = v[k].normal;
+            }
+        };
+        put(flip.first, {a, d, c});
+        put(flip.second, {d, b, c});
+        for (const Side& added : {Side{c.point, d.point}, Side{d.point, c.point}})
+            sides_.insert(std::ranges::upper_bound(sides_, added), added);
+    }
+
+    CellMesh& mesh_;
+    std::vector<std::uint32_t> patch_of_;
+    std::vector<Side> sides_;  // of all triangles, ascending, and what a flip has added
+};
+
+}  // namespace
+
+void turn_back(const RationalPatch& s, const std::vector<Vec3>& polygon, Triangulation& t) {
+    TurnedBack(s, polygon, t).run();
+}
+
+void separate_sides(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn) {
+    Separator(mesh, drawn).run();
+}
+
+}  // namespace vcell
