@@ -98,24 +98,13 @@ private:
     // images the greater one of two opposite ones.
     using Pair = std::pair<std::uint32_t, ObjectImage>;
 
-    // The side of the box that ends a tube along one of its axes, which its cell has for an end.
-    static Site side_at(const Cell& cell, const Site& site) {
-        const auto* tube = std::get_if<Cylinder>(&cell.scene.base);
-        if (tube == nullptr || site.kind != Site::Kind::End || !cell.parts.empty()) return site;
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            if (tube->axis[(k + 1) % 3] != 0 || tube->axis[(k + 2) % 3] != 0) continue;
-            return Site::box_side(2 * k + (tube->axis[k] > 0 ? site.index : 1 - site.index));
-        }
-        return site;
-    }
-
     // The sites of one of a cell's elements and the cell's own object, ascending.
     static std::vector<PlacedSite> placed(std::uint32_t object, const Cell& cell,
                                           std::span<const Site> of_element) {
         std::vector<PlacedSite> sites{{Site::object(object), {}}};
         for (const Site site : of_element) {
             if (!site.is_object()) {
-                sites.emplace_back(side_at(cell, site), ImageIndex{});
+                sites.emplace_back(side_at_end(cell.scene, site), ImageIndex{});
             } else {
                 const ObjectImage& image = cell.scene.images[site.index];
                 sites.emplace_back(Site::object(image.number), image.image);

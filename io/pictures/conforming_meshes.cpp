@@ -7,7 +7,6 @@
 #include <optional>
 #include <unordered_map>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "../../envelope/whole/cell_finder.hpp"
@@ -222,15 +221,9 @@ public:
 private:
     // ---- Sites
 
-    // The ends of a tube along an axis of the box lie on sides of it, which are sites of other cells there.
+    // Where a tube ends at a side of the box, other cells have that.
     NetworkSite site_of(const Site& site) const {
-        const auto* tube = std::get_if<Cylinder>(&cell_.scene.base);
-        if (site.kind != Site::Kind::End || tube == nullptr || !cell_.parts.empty())
-            return site_in_diagram(cell_, site);
-        Eigen::Index k = 0;
-        tube->axis.cwiseAbs().maxCoeff(&k);
-        const bool is_upper = (site.index == 1) == (tube->axis[k] > 0);
-        return {Site::box_side(static_cast<std::uint32_t>(2 * k) + (is_upper ? 1 : 0)), unmoved};
+        return site_in_diagram(cell_, side_at_end(cell_.scene, site));
     }
     template <class Sites>
     MeetingSites meeting(const Sites& sites) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "../../core/errors.hpp"
 #include "message.hpp"
@@ -170,6 +171,16 @@ void validate(const Scene& scene) {
         if (!(*scene.tolerance > 0))
             top.fail(Kind::OutOfRange, "tolerance", "must be > 0, is " + to_text(*scene.tolerance));
     }
+}
+
+Site side_at_end(const Scene& scene, Site site) {
+    const auto* tube = std::get_if<Cylinder>(&scene.base);
+    if (tube == nullptr || site.kind != Site::Kind::End) return site;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        if (tube->axis[(k + 1) % 3] != 0 || tube->axis[(k + 2) % 3] != 0) continue;
+        return Site::box_side(2 * k + (tube->axis[k] > 0 ? site.index : 1 - site.index));
+    }
+    return site;
 }
 
 std::string object_path(const Scene& scene, std::size_t object, const std::string& field) {

@@ -59,6 +59,10 @@ struct Scene {
 /// the base is decided with the cell, by exact signs.
 void validate(const Scene& scene);
 
+/// The side of the box at an end (Site::end()) of a base that is a tube along one of the box's axes; other
+/// sites as they are.
+Site side_at_end(const Scene& scene, Site site);
+
 /// The path of an object as the scene file names it: "objects[3].sphere". `field` is appended after
 /// a dot when given.
 std::string object_path(const Scene& scene, std::size_t object, const std::string& field = {});
