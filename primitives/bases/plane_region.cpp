@@ -145,11 +145,15 @@ void check_base_cuts_box(const Plane& base, const Box& box) {
 }
 
 std::vector<RegionSide> base_region(const Plane& base, const Box& world, const std::array<BoxSide, 6>& box) {
+    // Where the lean of a side was taken for noise, the scene's corners do not tell where the sides are.
+    const bool is_noisy =
+        (base.normal.array() != 0).count() > 1 &&
+        std::ranges::any_of(box, [](const BoxSide& side) { return side.m.x() == 0 && side.m.y() == 0; });
     std::vector<RegionSide> lines;
     bool empty = false;
     for (const BoxSide& side : box) {
         if (side.m.x() != 0 || side.m.y() != 0) {
-            if (!bounds_region(base, world, side.index)) continue;
+            if (!is_noisy && !bounds_region(base, world, side.index)) continue;
             lines.push_back({-side.m.x(), -side.m.y(), side.k, Site::box_side(side.index)});
         } else if (side.k < 0 || (side.k == 0 && side.m.z() > 0))
             empty = true;
