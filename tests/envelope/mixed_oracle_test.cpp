@@ -99,8 +99,7 @@ TEST_CASE("mixed oracle: objects to corrupted diagrams") {
     objects("a piece's end off the curve", [&](auto& d) { pieces(d)->end += 1e-6 * pieces(d)->direction; });
     objects("a piece's direction turned round", [&](auto& d) { pieces(d)->direction *= -1; });
     objects("a piece's direction along the curve", [&](auto& d) {
-        const Eigen::Vector2d w = pieces(d)->direction;
-        pieces(d)->direction = {-w.y(), w.x()};
+        pieces(d)->direction = pieces(d)->end - good.vertices[good.start(curved)].point;
     });
     objects("a piece's box too small", [&](auto& d) {
         pieces(d)->box[1] = pieces(d)->box[0];
