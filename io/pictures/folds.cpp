@@ -12,22 +12,23 @@ namespace vcell {
 
 namespace {
 
-class TurnedBack {
+class Placement {
 public:
-    TurnedBack(const RationalPatch& s, const std::vector<Vec3>& polygon, Triangulation& t)
-        : surface_(s), inner_(polygon.size()), t_(t), places_(polygon) {
-        places_.resize(t.points.size());
-        normals_.resize(t.points.size());
+    Placement(const RationalPatch& s, std::vector<Vec3> polygon, Triangulation& t)
+        : surface_(s), inner_(polygon.size()), t_(t), places_(std::move(polygon)) {
+        places_.reserve(t.points.size());
+        normals_.reserve(t.points.size());
         for (std::size_t i = 0; i < t.points.size(); ++i) {
-            if (i >= inner_) places_[i] = s.evaluate(t.points[i].x(), t.points[i].y());
-            normals_[i] = normal(t.points[i]);
+            if (i >= inner_) places_.push_back(s.evaluate(t.points[i].x(), t.points[i].y()));
+            normals_.push_back(normal(t.points[i]));
         }
     }
 
-    void run() {
+    PlacedPoints without_folds() && {
         for (const Triangle& v : t_.triangles)
             for (const std::uint32_t i : v)
                 if (i >= inner_ && is_over(v)) move(i);
+        return {std::move(places_), std::move(normals_)};
     }
 
 private:
@@ -166,8 +167,8 @@ private:
 
 }  // namespace
 
-void turn_back(const RationalPatch& s, const std::vector<Vec3>& polygon, Triangulation& t) {
-    TurnedBack(s, polygon, t).run();
+PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polygon, Triangulation& t) {
+    return Placement(s, std::move(polygon), t).without_folds();
 }
 
 void separate_sides(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn) {

@@ -10,11 +10,15 @@
 
 namespace vcell {
 
-/// Moves points inside the polygon that turn a triangle over. Such a point is beyond a side of the polygon in
-/// space, as far as the side's chord allows; it moves towards the middle of its neighbours until none of its
-/// triangles is turned over, or stays where no place on the way is better. `polygon`: where the polygon's
-/// points are in space, the first ones of t, whose points are parameters of the patch.
-void turn_back(const RationalPatch& s, const std::vector<Vec3>& polygon, Triangulation& t);
+/// The points of a triangulation in space, and the patch's unit normals there.
+struct PlacedPoints {
+    std::vector<Vec3> places, normals;
+};
+/// Places t's points, which are parameters of the patch, and moves those inside the polygon that turn a
+/// triangle over. Such a point is beyond a side of the polygon in space, as far as the side's chord allows;
+/// it moves towards the middle of its neighbours until none of its triangles is turned over, or stays where
+/// no place on the way is better. `polygon`: where the polygon's points are in space, the first ones of t.
+PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polygon, Triangulation& t);
 
 /// Where faces on both sides of a line cut off the same corner of it, one side in space is two of the mesh:
 /// one of the two faces takes the other diagonal there. `drawn`: ranges of triangles, each of one patch, that

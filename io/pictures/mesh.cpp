@@ -496,14 +496,11 @@ private:
             uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, back * a, back * b) > chord; },
             point.size() + left / 2 + 1);
         for (Vec2& p : t.points) p = back * p;
-        turn_back(s, places_of(point), t);
+        const PlacedPoints placed = place_without_folds(s, places_of(point), t);
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
-        for (std::size_t i = 0; i < t.points.size(); ++i) {
-            const double u = t.points[i].x(), v = t.points[i].y();
-            if (i >= point.size()) point.push_back(add_point(s.evaluate(u, v)));
-            const auto [du, dv] = s.partials(u, v);
-            mesh_.normals.push_back(du.cross(dv).stableNormalized());
-        }
+        for (std::size_t i = point.size(); i < placed.places.size(); ++i)
+            point.push_back(add_point(placed.places[i]));
+        mesh_.normals.insert(mesh_.normals.end(), placed.normals.begin(), placed.normals.end());
         for (const Triangle& v : t.triangles) {
             mesh_.triangles.push_back({point[v[0]], point[v[1]], point[v[2]]});
             mesh_.corner_normals.push_back({first_normal + v[0], first_normal + v[1], first_normal + v[2]});
