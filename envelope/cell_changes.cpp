@@ -95,10 +95,10 @@ double extent(const Object& object) {
     return tube.point.cwiseAbs().sum() + tube.radius;
 }
 
-// Of a ball it may be certain that it touches no cell whose clearances are no more than that. In a point of
-// the cell, which is in the box, it would be as near as the base is, no farther than the clearance, and so no
-// farther than twice that from the base's surface. Both hold inside bodies, too, where distances are
-// negative.
+// May the object touch a cell whose clearances are no more than that? Only balls are told to be too far away:
+// in a point of the cell, which is in the box, one would be as near as the base is, no farther than the
+// clearance, and so no farther than twice that from the base's surface. Both hold inside bodies, too, where
+// distances are negative.
 bool may_touch(const Object& object, const Scene& scene, double clearance) {
     const auto* ball = std::get_if<Sphere>(&object);
     if (ball == nullptr) return true;

@@ -71,8 +71,8 @@ void CellBound::add(const Sphere& ball) {
 }
 
 void CellBound::add(const Box& box) {
-    // Of a side that is nearer than that, or that the centre lies on or beyond, a float's bound would be
-    // none. Beyond it there is nothing of the cell to be bounded.
+    // A side that is nearer than that, or that the centre lies on or beyond, would give a float no bound; so
+    // it is taken to be as far away. Beyond it there is nothing of the cell to be bounded.
     constexpr double least = 0x1p-20;  // of the box's edge
     for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {-1.0, 1.0}) {

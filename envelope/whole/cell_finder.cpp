@@ -295,7 +295,7 @@ DecidedDiagram::Bound DecidedDiagram::bound(std::uint32_t i) const {
 }
 
 bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) const {
-    // Of the cell of a ball beyond the box no reach is known.
+    // The cell of a ball beyond the box has no reach that is known.
     if (!is_ball(i) || reach == infinity) return true;
     if (!is_ball(x)) return least_distance(scene().objects[x], ball(i)) < reach;
     bool may = false;

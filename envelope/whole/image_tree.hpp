@@ -110,7 +110,7 @@ public:
         : lattice_(lattice), tree_(take_home(std::move(balls))) {}
 
     const Lattice& lattice() const { return lattice_; }
-    /// Of the images that lie in the box itself, so that few images of it hold what is near.
+    /// The tree holds those images that lie in the box itself, so that few images of it hold what is near.
     const BallTree& tree() const { return tree_; }
     /// Where a ball lies, as an image of what the tree has of it.
     Image home(std::uint32_t number) const {

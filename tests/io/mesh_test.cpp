@@ -184,12 +184,7 @@ TEST_CASE("triangulate: refinement ends even where the polygon's own sides are t
 }
 
 TEST_CASE("mesh: a surface that is all of the cell, without an edge, is closed along its seam") {
-    // An ellipsoid with the centres for foci: half-axes 3, and twice the root of 9 - 6.
-    Scene scene;
-    scene.base = Sphere{{6, 3, 6}, 1};
-    scene.objects = {HollowSphere{{2, 5, 4}, 5}};
-    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
-    const Cell cell = voronoi_cell(scene);
+    const Cell cell = ellipsoid_cell();
     REQUIRE(cell.edges.empty());
     const double exact = 4.0 / 3 * std::numbers::pi * 3 * 3;
     double previous = exact;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/voronoi_cell.hpp"
 #include "../../io/files/cell_file.hpp"
 #include "../../io/files/scene_file.hpp"
 #include "hand_built_cells.hpp"
@@ -128,6 +129,14 @@ std::string cell_text(const Cell& cell) {
     std::ostringstream out;
     write_cell(out, cell);
     return out.str();
+}
+
+Cell ellipsoid_cell() {
+    Scene scene;
+    scene.base = Sphere{{6, 3, 6}, 1};
+    scene.objects = {HollowSphere{{2, 5, 4}, 5}};
+    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+    return voronoi_cell(scene);
 }
 
 std::string scene_complaint(const std::string& text) {

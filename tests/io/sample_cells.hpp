@@ -14,6 +14,9 @@ namespace vcell {
 Cell one_sphere_cell(double height);
 inline Cell paraboloid_cell() { return one_sphere_cell(2); }
 inline Cell island_cell() { return one_sphere_cell(0.6); }
+/// A ball alone in a hollow sphere: an ellipsoid without an edge, with the centres for foci. Its half-axes
+/// are 3 and twice the root of 9 - 6.
+Cell ellipsoid_cell();
 
 /// The text of write_cell.
 std::string cell_text(const Cell& cell);

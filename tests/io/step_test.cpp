@@ -12,6 +12,7 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/solids/solid.hpp"
 #include "../../io/solids/spline_surface.hpp"
+#include "sample_cells.hpp"
 
 namespace vcell {
 namespace {
@@ -137,11 +138,7 @@ TEST_CASE("step: a base plane that leans has walls where the box goes on above i
 }
 
 TEST_CASE("step: a face without an edge has its seam for one, closed, with its curves on both patches") {
-    Scene scene;
-    scene.base = Sphere{{6, 3, 6}, 1};
-    scene.objects = {HollowSphere{{2, 5, 4}, 5}};
-    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
-    const Cell cell = voronoi_cell(scene);
+    const Cell cell = ellipsoid_cell();
     const Shell shell = closed_shell(cell);
     const Solid solid = solid_of(shell, cell.faces.size());
     CHECK(solid.vertices.size() == 1);
