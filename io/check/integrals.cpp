@@ -204,23 +204,20 @@ private:
     /// What takes two variables.
     void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
         std::array<Interval, 2> sum{};
-        if (const auto& precision = proofs_[use.face]) {
-            const auto density = [&]<class T>(const T& s, const T& sigma) {
-                const Densities<T> d = FanSection<T>(fan, span.at(s)).at(sigma);
+        const auto density = [&]<class T>(const T& s) {
+            return [section = FanSection<T>(fan, span.at(s))](const T& sigma) {
+                const Densities<T> d = section.at(sigma);
                 return std::array<T, 2>{d.volume, d.area};
             };
+        };
+        if (const auto& precision = proofs_[use.face]) {
             Effort effort{effort_};
             integrate<2>(density, {-1, 0}, {1, 1}, {share_ * precision->volume, share_ * precision->area},
                          sum, effort);
         } else {
             sums_.faces[use.face].is_proved = false;
             const auto [volume, area, of_shadow] = enough_for_estimates(e, span);
-            sum = estimated<2>({volume, area}, [&](const Approximate& s) {
-                return [section = FanSection<Approximate>(fan, span.at(s))](const Approximate& sigma) {
-                    const Densities<Approximate> d = section.at(sigma);
-                    return std::array<Approximate, 2>{d.volume, d.area};
-                };
-            });
+            sum = estimated<2>({volume, area}, density);
         }
         add(use, sum[0], sum[1], 0.0);
     }

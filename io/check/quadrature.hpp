@@ -124,15 +124,28 @@ bool is_below(const Value& value, const std::array<double, N>& most) {
     return true;
 }
 
-/// Is |f(z, x)| at most `most` for all x of a real interval? It is halved until that tells, into `left` parts
-/// at most.
+namespace detail {
+
+/// Is |f(x)| at most `most` for all x of a real interval? It is halved until that tells, into `left` parts at
+/// most.
 template <std::size_t N, class F>
-bool is_bounded(const F& f, const Disc& z, const Interval& x, const std::array<double, N>& most, int& left) {
+bool is_bounded_in_parts(const F& f, const Interval& x, const std::array<double, N>& most, int& left) {
     if (--left < 0) return false;
-    if (is_below(f(z, Disc(MidRad(x))), most)) return true;
+    if (is_below(f(Disc(MidRad(x))), most)) return true;
     const double m = x.mid();
-    return is_bounded(f, z, Interval(x.lower(), m), most, left) &&
-           is_bounded(f, z, Interval(m, x.upper()), most, left);
+    return is_bounded_in_parts(f, Interval(x.lower(), m), most, left) &&
+           is_bounded_in_parts(f, Interval(m, x.upper()), most, left);
+}
+
+}  // namespace detail
+
+/// Tells so, and soon says no where a single place shows that no parts would do.
+template <std::size_t N, class F>
+bool is_bounded(const F& f, const Interval& x, const std::array<double, N>& most, int parts) {
+    if (is_below(f(Disc(MidRad(x))), most)) return true;
+    for (const double place : {x.lower(), x.upper(), x.mid()})
+        if (!is_below(f(Disc(MidRad(place))), most)) return false;
+    return detail::is_bounded_in_parts(f, x, most, parts);
 }
 
 namespace detail {
@@ -142,6 +155,9 @@ namespace detail {
 constexpr double value_rounding = 0x1p-48;
 /// Into how many parts the one of two intervals is cut for a bound about the other.
 constexpr int parts_of_product = 15;
+/// Rounding may be so many times larger than what a rule leaves out. In two variables discs tell less of it
+/// than enclosures at the nodes do.
+constexpr double poor = 1024, poor_in_two = 16;
 
 /// The largest factor that leaves each value times it within `missing`; 0 where some value is not known.
 template <class Value, std::size_t N>
@@ -167,19 +183,23 @@ std::array<double, N> allowed(const std::array<double, N>& missing, double facto
 
 namespace detail {
 
+/// How far a node may be from where plain doubles find it: it is known to 2^-52, and computed with two
+/// roundings.
+inline double node_error(double middle, double half) { return 0x1p-50 * (std::abs(middle) + half); }
+
 /// How far rounding may take f's values in plain doubles from its true ones within a disc's real part, which
-/// may be looked at in parts. Nodes are known to 2^-52, and computed with two roundings.
+/// may be looked at in parts.
 template <std::size_t N, class F>
 bool is_rounding_below(const F& f, double middle, double half, const std::array<double, N>& most,
                        std::array<double, N>& rounding) {
     constexpr int most_parts = 4;
-    const double node_error = 0x1p-50 * (std::abs(middle) + half);
+    const double at_nodes = node_error(middle, half);
     for (int parts = 1; parts <= most_parts; parts *= 2) {
         bool is_enough = true;
         rounding.fill(0);
         for (int k = 0; k < parts && is_enough; ++k) {
             const double center = middle + half * ((2 * k + 1 - parts) / static_cast<double>(parts));
-            const auto traced = f(Traced(Disc(center, half / parts + node_error), node_error));
+            const auto traced = f(Traced(Disc(center, half / parts + at_nodes), at_nodes));
             for (std::size_t i = 0; i < N; ++i) {
                 rounding[i] = std::max(rounding[i], traced[i].error());
                 is_enough = is_enough && traced[i].error() <= most[i];
@@ -229,6 +249,81 @@ void add_enclosed(const F& f, double middle, const MidRad& half_width, const Gau
         sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
 }
 
+/// Looks likewise at a rectangle, in as many parts along either variable; f(s) returns a function of t.
+template <std::size_t N, class F>
+bool is_rounding_below(const F& f, const std::array<double, 2>& middle, const std::array<double, 2>& half,
+                       const std::array<double, N>& most, std::array<double, N>& rounding) {
+    constexpr int most_parts = 4;
+    const auto part = [&](std::size_t axis, int k, int parts) {
+        const double at_nodes = node_error(middle[axis], half[axis]);
+        return Traced(Disc(middle[axis] + half[axis] * ((2 * k + 1 - parts) / static_cast<double>(parts)),
+                           half[axis] / parts + at_nodes),
+                      at_nodes);
+    };
+    for (int parts = 1; parts <= most_parts; parts *= 2) {
+        bool is_enough = true;
+        rounding.fill(0);
+        for (int k = 0; k < parts && is_enough; ++k) {
+            const auto section = f(part(0, k, parts));
+            for (int l = 0; l < parts && is_enough; ++l) {
+                const auto traced = section(part(1, l, parts));
+                for (std::size_t i = 0; i < N; ++i) {
+                    rounding[i] = std::max(rounding[i], traced[i].error());
+                    is_enough = is_enough && traced[i].error() <= most[i];
+                }
+            }
+        }
+        if (is_enough) return true;
+    }
+    return false;
+}
+
+/// The sum of the product of two rules in plain doubles, of which weights add up to 4; `rounding` of values.
+template <std::size_t N, class F>
+std::array<MidRad, N> plain_product(const F& f, const std::array<double, 2>& middle,
+                                    const std::array<double, 2>& half, const GaussRule& outer,
+                                    const GaussRule& inner, const std::array<double, N>& rounding) {
+    std::array<Approximate, N> totals{}, sizes{};
+    for (std::size_t m = 0; m < outer.packs; ++m) {
+        const auto section = f(Approximate(middle[0]) + half[0] * outer.places[m]);
+        std::array<Approximate, N> along{}, size_along{};
+        for (std::size_t n = 0; n < inner.count; ++n) {
+            const auto value = section(Approximate(middle[1] + half[1] * inner.nodes[n].at.mid()));
+            for (std::size_t i = 0; i < N; ++i) {
+                const Approximate term = inner.nodes[n].weight.mid() * value[i];
+                along[i] += term;
+                size_along[i] += abs(term);
+            }
+        }
+        for (std::size_t i = 0; i < N; ++i) {
+            totals[i] += outer.weights[m] * along[i];
+            sizes[i] += outer.weights[m] * size_along[i];
+        }
+    }
+    std::array<MidRad, N> sum;
+    static_assert(2 * GaussRule::most <= 0x1p7);  // terms one after the other, each of which rounds by 2^-53
+    for (std::size_t i = 0; i < N; ++i)
+        sum[i] = MidRad::ball(totals[i].sum(), (4 * rounding[i] + 0x1p-45 * sizes[i].sum()) * (1 + 0x1p-40));
+    return sum;
+}
+
+/// Sums by midpoint and radius at each node what rounding could not be told of otherwise.
+template <std::size_t N, class F>
+std::array<MidRad, N> enclosed_product(const F& f, const std::array<double, 2>& middle,
+                                       const std::array<MidRad, 2>& width, const GaussRule& outer,
+                                       const GaussRule& inner) {
+    std::array<MidRad, N> sum{};
+    for (std::size_t m = 0; m < outer.count; ++m) {
+        const auto section = f(MidRad(middle[0]) + 0.5 * (width[0] * outer.nodes[m].at));
+        for (std::size_t n = 0; n < inner.count; ++n) {
+            const auto at_node = section(MidRad(middle[1]) + 0.5 * (width[1] * inner.nodes[n].at));
+            const MidRad weight = outer.nodes[m].weight * inner.nodes[n].weight;
+            for (std::size_t i = 0; i < N; ++i) sum[i] += weight * at_node[i];
+        }
+    }
+    return sum;
+}
+
 }  // namespace detail
 
 /// The integrals over [a, b] of the components of f, which takes any of these numbers and returns an
@@ -243,8 +338,6 @@ template <std::size_t N, class F>
 bool integrate(const F& f, double a, double b, const std::array<double, N>& enough,
                std::array<Interval, N>& sum, Effort& effort) {
     constexpr std::size_t first_rule = 1, frequent_rule = 2;
-    // Rounding may be so many times larger than what a rule leaves out.
-    constexpr double poor = 1024;
     const double middle = 0.5 * (a + b), half = Interval::up(0.5 * (b - a));
     const MidRad half_width = 0.5 * (MidRad(b) - a);
     ++effort.parts_used;
@@ -260,11 +353,11 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         places = f(Approximate(middle) + half_width.mid() * gauss(frequent_rule).places[0]);
         for (std::size_t i = 0; i < N; ++i) {
             missing[i] = std::max(enough[i], detail::value_rounding * std::abs(places[i][0]));
-            most[i] = poor * missing[i];
+            most[i] = detail::poor * missing[i];
         }
     }
     for (std::size_t k = first; k < ellipses.size(); ++k) {
-        const auto all = f(Traced(around(k, middle, half), 0x1p-50 * (std::abs(middle) + half)));
+        const auto all = f(Traced(around(k, middle, half), detail::node_error(middle, half)));
         for (std::size_t i = 0; i < N; ++i) rounding[i] = all[i].error();
         const double factor = detail::largest_factor(all, missing);
         const auto& factors = remainder_factors(k);
@@ -292,8 +385,9 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
     return false;
 }
 
-/// The same over rectangles: f(s, t) for s in [a0, b0], t in [a1, b1]. What the product of two rules leaves
-/// out is what one leaves out along s for the worst t, and the other along t for the worst s.
+/// Integrates over rectangles: f(s) returns a function of t, for s in [a0, b0], t in [a1, b1]. What the
+/// product of two rules leaves out is what one leaves out along s for the worst t, and the other along t for
+/// the worst s.
 template <std::size_t N, class F>
 bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
                const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
@@ -301,32 +395,29 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
     const std::array half{Interval::up(0.5 * (b[0] - a[0])), Interval::up(0.5 * (b[1] - a[1]))};
     const std::array width{MidRad(b[0]) - a[0], MidRad(b[1]) - a[1]};
     ++effort.parts_used;
-    std::array<double, N> missing = enough;
-    const auto value = f(MidRad(middle[0]), MidRad(middle[1]));
-    for (std::size_t i = 0; i < N; ++i)
-        missing[i] = std::max(missing[i], detail::value_rounding * value[i].magnitude());
+    std::array<double, N> missing, most, rounding;
+    const auto value = f(MidRad(middle[0]))(MidRad(middle[1]));
+    for (std::size_t i = 0; i < N; ++i) {
+        missing[i] = std::max(enough[i], detail::value_rounding * value[i].magnitude());
+        most[i] = detail::poor_in_two * missing[i];
+    }
     constexpr std::size_t none = node_counts.size();
     std::array<std::size_t, 2> chosen{none, none};
     for (const std::size_t axis : {0, 1})
-        for (std::size_t k = 0; k <= last_in_two && chosen[axis] == none; ++k) {
-            int left = detail::parts_of_product;
-            const auto along = [&](const Disc& z, const Disc& x) { return axis == 0 ? f(z, x) : f(x, z); };
-            if (is_bounded(along, around(k, middle[axis], half[axis]), Interval(a[1 - axis], b[1 - axis]),
-                           detail::allowed(missing, 4 * remainder_factors(k)[k]), left))
-                chosen[axis] = k;
+        for (std::size_t k = first_ellipse; k <= last_in_two && chosen[axis] == none; ++k) {
+            const Disc z = around(k, middle[axis], half[axis]);
+            const Interval other(a[1 - axis], b[1 - axis]);
+            const auto allowed = detail::allowed(missing, 4 * remainder_factors(k)[k]);
+            const bool is_enough = axis == 0 ? is_bounded(f(z), other, allowed, detail::parts_of_product)
+                                             : is_bounded([&](const Disc& s) { return f(s)(z); }, other,
+                                                          allowed, detail::parts_of_product);
+            if (is_enough) chosen[axis] = k;
         }
     if (chosen[0] < none && chosen[1] < none) {
-        std::array<MidRad, N> part{};
-        for (std::size_t m = 0; m < gauss(chosen[0]).count; ++m) {
-            const auto& outer = gauss(chosen[0]).nodes[m];
-            const MidRad s = MidRad(middle[0]) + 0.5 * (width[0] * outer.at);
-            for (std::size_t n = 0; n < gauss(chosen[1]).count; ++n) {
-                const auto& inner = gauss(chosen[1]).nodes[n];
-                const auto at_node = f(s, MidRad(middle[1]) + 0.5 * (width[1] * inner.at));
-                const MidRad weight = outer.weight * inner.weight;
-                for (std::size_t i = 0; i < N; ++i) part[i] += weight * at_node[i];
-            }
-        }
+        const GaussRule &outer = gauss(chosen[0]), &inner = gauss(chosen[1]);
+        const auto part = detail::is_rounding_below(f, middle, half, most, rounding)
+                              ? detail::plain_product(f, middle, half, outer, inner, rounding)
+                              : detail::enclosed_product<N>(f, middle, width, outer, inner);
         const MidRad share = 0.25 * (width[0] * width[1]);
         for (std::size_t i = 0; i < N; ++i)
             sum[i] += (share * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
@@ -342,7 +433,7 @@ bool integrate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
         const bool second = integrate(f, high, b, enough, sum, effort);
         return first && second;
     }
-    const auto all = f(MidRad(Interval(a[0], b[0])), MidRad(Interval(a[1], b[1])));
+    const auto all = f(MidRad(Interval(a[0], b[0])))(MidRad(Interval(a[1], b[1])));
     for (std::size_t i = 0; i < N; ++i) sum[i] += (width[0] * width[1] * all[i]).enclosure();
     return false;
 }

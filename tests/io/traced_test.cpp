@@ -137,4 +137,46 @@ TEST_CASE("integrate: encloses integrals whose values cancel to their rounding")
     }
 }
 
+TEST_CASE(
+    "integrate: encloses integrals over rectangles, with poles beside them and a constant that is known badly") {
+    // The product of s^2 / ((s - p)^2 + r^2) and t^2 / ((t - q)^2 + w^2), of which the integrals are known.
+    // The constant's error counts as rounding: plain doubles do, or sums are enclosed node by node, by what
+    // may be missing.
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> place(-1.2, 1.2), logarithm(-2, 2);
+    const auto integral = [](long double p, long double r, long double a, long double b) {
+        const auto primitive = [&](long double x) {
+            return x + p * std::log((x - p) * (x - p) + r * r) + (p * p - r * r) / r * std::atan((x - p) / r);
+        };
+        return primitive(b) - primitive(a);
+    };
+    const double badly = 0x1p-30;
+    const MidRad one = MidRad::ball(1, badly);
+    for (int k = 0; k < 60; ++k) {
+        const double p = place(rng), q = place(rng), r = std::exp2(logarithm(rng)),
+                     w = std::exp2(logarithm(rng));
+        CAPTURE(p);
+        CAPTURE(r);
+        CAPTURE(q);
+        CAPTURE(w);
+        const auto density = [&]<class T>(const T& s) {
+            const T along = T(one) * (square(s) / (square(s - T(p)) + T(r) * T(r)));
+            return [&, along](const T& t) {
+                return std::array<T, 1>{along * (square(t) / (square(t - T(q)) + T(w) * T(w)))};
+            };
+        };
+        const double truth = static_cast<double>(integral(p, r, -1, 1) * integral(q, w, 0, 1));
+        for (const double enough : {0x1p-10, 0x1p-30, 0x1p-44}) {
+            CAPTURE(enough);
+            std::array<Interval, 1> sum{};
+            Effort effort{1 << 12};
+            CHECK(integrate<1>(density, {-1, 0}, {1, 1}, {enough}, sum, effort));
+            for (const double sign : {-1.0, 1.0})
+                CHECK(std::abs(sum[0].mid() - truth * (1 + sign * badly)) <=
+                      sum[0].radius() + 0x1p-50 * truth);
+            CHECK(sum[0].radius() <= 64 * enough + 2 * badly * truth);
+        }
+    }
+}
+
 }  // namespace vcell::check
