@@ -25,9 +25,11 @@ inline ProvedRoot about(const IntervalBox<2>& box) {
     return {{box[0].mid(), box[1].mid()}, reach(box[0], box[1])};
 }
 
+/// Newton's method is not followed out of `within`.
 template <class Model>
-std::optional<ProvedRoot> root_near(const Model& model, const Eigen::Vector2d& start) {
-    const auto box = prove_near<Interval, 2>(model, {Interval(start.x()), Interval(start.y())}, everywhere);
+std::optional<ProvedRoot> root_near(const Model& model, const Eigen::Vector2d& start,
+                                    const IntervalBox<2>& within = everywhere) {
+    const auto box = prove_near<Interval, 2>(model, {Interval(start.x()), Interval(start.y())}, within);
     return box ? std::optional(about(*box)) : std::nullopt;
 }
 

@@ -51,13 +51,14 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     std::array<FormId, 3> triple;
     if (!touching.empty()) {
         const FormId f = r[touching[0][0]].form, g = r[touching[0][1]].form;
-        root = root_near(equal_gradients(heights_, f, g), apex.rim ? apex.point : work.middle());
+        root =
+            root_near(equal_gradients(heights_, f, g), apex.rim ? apex.point : work.middle(), work.around());
     } else {
         if (n < 4) return std::nullopt;  // then they tie in one point at most, and the piece will be plain
         triple = {r[0].form, r[1].form, r[2].form};
         root = root_near(
             model_of<Interval>([&](const IntervalBox<2>& p) { return equal_heights(heights_, triple, p); }),
-            work.middle());
+            work.middle(), work.around());
     }
     if (!root) return std::nullopt;
     if (apex.rim) {

@@ -67,6 +67,13 @@ struct MixedAnalysis::Work {
     Vector2d middle() const {
         return {Interval(piece.box[0], piece.box[1]).mid(), Interval(piece.box[2], piece.box[3]).mid()};
     }
+    // The box with as much about it: what lies in the piece is found from its middle without going farther.
+    IntervalBox<2> around() const {
+        const auto widened = [](double a, double b) {
+            return Interval(a, b) + Interval(-1, 1) * (Interval(b) - a);
+        };
+        return {widened(piece.box[0], piece.box[1]), widened(piece.box[2], piece.box[3])};
+    }
     std::vector<FormId> forms() const {
         std::vector<FormId> all;
         all.reserve(rivals.size());
