@@ -127,7 +127,7 @@ TEST_CASE("circle_kernel: signs, turns and orders agree with 200 digits one ulp 
     std::mt19937_64 rng(test_seed());
     Decisions total;
     int zeros = 0;
-    for (int round = 0; round < 400; ++round) {
+    for (int round = 0; round < long_rounds(400); ++round) {
         Case c(lattice(rng));
         std::vector<std::pair<PointId, std::array<Real, 2>>> points;
         std::vector<std::array<std::size_t, 3>> triples;

@@ -101,7 +101,7 @@ TEST_CASE("OneRoot: sign is right at zero and one ulp from it") {
         check_sign(n);
         zeros += sign(n.exact()) == Sign::Zero;
     }
-    CHECK(zeros > 500);
+    CHECK(zeros > long_rounds(500));
     CHECK(sign(OneRoot{-3.0, 1.5, 4.0}) == Sign::Zero);
     CHECK(sign(OneRoot{std::nextafter(-3.0, 0.0), 1.5, 4.0}) == Sign::Positive);
     CHECK(sign(OneRoot{-3.0, 1.5, std::nextafter(4.0, 0.0)}) == Sign::Negative);
@@ -109,7 +109,7 @@ TEST_CASE("OneRoot: sign is right at zero and one ulp from it") {
 
 TEST_CASE("OneRoot: compare agrees with 300 digits across fields") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 2'000; ++i) {
+    for (int i = 0; i < long_rounds(2'000); ++i) {
         check_compare(random_number(rng), std::abs(random_double(rng, 5)), random_number(rng),
                       std::abs(random_double(rng, 5)));
     }
@@ -118,7 +118,7 @@ TEST_CASE("OneRoot: compare agrees with 300 digits across fields") {
 TEST_CASE("OneRoot: compare tells equal numbers of different spelling from those one ulp off") {
     std::mt19937_64 rng(test_seed());
     int equal = 0;
-    for (int i = 0; i < 3'000; ++i) {
+    for (int i = 0; i < long_rounds(3'000); ++i) {
         Number p{rng() % 2 ? short_double(rng) : -short_double(rng),
                  rng() % 2 ? short_double(rng) : -short_double(rng), short_double(rng)};
         if (rng() % 5 == 0) p.a = -p.b * std::sqrt(p.c);
@@ -137,12 +137,12 @@ TEST_CASE("OneRoot: compare tells equal numbers of different spelling from those
         check_compare(p, 1.0, q, den);
         equal += compare(p.exact(), Exact(1.0), q.exact(), Exact(den)) == Sign::Zero;
     }
-    CHECK(equal > 500);
+    CHECK(equal > long_rounds(500));
 }
 
 TEST_CASE("OneRoot: compare agrees where the two roots nearly cancel") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 2'000; ++i) {
+    for (int i = 0; i < long_rounds(2'000); ++i) {
         // q.a is p - q.b sqrt(q.c), rounded: p and q differ in their last digits only.
         const Number p = random_number(rng);
         Number q = random_number(rng);

@@ -70,7 +70,7 @@ std::array<Rational, 2> range(std::initializer_list<Rational> candidates) {
 TEST_CASE("wide interval: the four operations enclose the exact range, tightly") {
     std::mt19937_64 rng(test_seed());
     int divided = 0;
-    for (int i = 0; i < 1'000; ++i) {
+    for (int i = 0; i < long_rounds(1'000); ++i) {
         const Wide a = hostile_wide(rng), b = hostile_wide(rng);
         INFO("a = ", a.lower(), " .. ", a.upper(), " b = ", b.lower(), " .. ", b.upper());
         const auto [al, ah] = bounds(a);
@@ -88,12 +88,12 @@ TEST_CASE("wide interval: the four operations enclose the exact range, tightly")
             ++divided;
         }
     }
-    CHECK(divided > 200);
+    CHECK(divided > long_rounds(200));
 }
 
 TEST_CASE("wide interval: squares and square roots enclose the exact range, never negative") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 1'000; ++i) {
+    for (int i = 0; i < long_rounds(1'000); ++i) {
         Wide a = hostile_wide(rng);
         INFO("a = ", a.lower(), " .. ", a.upper());
         const auto [al, ah] = bounds(a);
@@ -163,7 +163,7 @@ TEST_CASE("wide interval: the double enclosure is the tightest one") {
         CHECK(a.lower() < std::nextafter(e.lower(), inf));
         CHECK(a.upper() > std::nextafter(e.upper(), -inf));
     };
-    for (int i = 0; i < 1'000; ++i) check(hostile_wide(rng));
+    for (int i = 0; i < long_rounds(1'000); ++i) check(hostile_wide(rng));
     for (const double edge : {largest, tiniest, 0.0, DBL_MIN})
         for (const double sign : {-1.0, 1.0}) {
             check(Wide(sign * edge));
@@ -178,7 +178,7 @@ TEST_CASE("wide interval: the double enclosure is the tightest one") {
 
 TEST_CASE("wide interval: mid lies within, exponents bound what they name") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 1'000; ++i) {
+    for (int i = 0; i < long_rounds(1'000); ++i) {
         const Wide a = hostile_wide(rng);
         INFO("a = ", a.lower(), " .. ", a.upper());
         CHECK(a.contains(a.mid()));

@@ -76,7 +76,7 @@ TEST_CASE("face tree: finds all faces in whose balls a form may be lower") {
         bool is_alive = true;
     };
     std::vector<Face> faces;
-    for (int round = 0; round < 30; ++round) {
+    for (int round = 0; round < long_rounds(30); ++round) {
         for (int i = 0; i < 30; ++i) {
             const double radius = random.uniform(0.01, 0.3);
             faces.push_back(

@@ -270,7 +270,7 @@ TEST_CASE("void network: balls of any radii, by brute force, vertices of degree 
 
 TEST_CASE("void network: what gets through is what gets through a grid") {
     std::mt19937_64 rng(test_seed());
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < long_rounds(3); ++round) {
         CAPTURE(round);
         const DiagramScene scene = random_periodic(rng, 10, 0.05, 0.15);
         const VoidNetwork network = void_network(scene);

@@ -324,7 +324,7 @@ TEST_CASE("certify: one more ball is found if it takes a part of the boundary, a
     int taken = 0, left = 0;
     for (const std::string name : {"six_spheres", "figure2", "atom_1crn", "octahedron", "figure9"}) {
         const Cell cell = voronoi_cell(scene_named(name));
-        for (int k = 0; k < 60; ++k) {
+        for (int k = 0; k < long_rounds(60); ++k) {
             // About a point of a vertex, an edge or a face, at its clearance but for a small part of it.
             Vec3 p;
             if (k % 3 == 0) {
@@ -365,8 +365,8 @@ TEST_CASE("certify: one more ball is found if it takes a part of the boundary, a
                 CHECK_MESSAGE(c.holds(), listing(c));
         }
     }
-    CHECK(taken > 50);
-    CHECK(left > 20);
+    CHECK(taken > long_rounds(50));
+    CHECK(left > long_rounds(20));
 }
 
 TEST_CASE("check: a tube and a ball around a ball are told in few tiles and few parts of integrals") {

@@ -97,7 +97,7 @@ double seconds(const auto& work) {
 
 TEST_CASE("fuzz: scenes with damaged bytes") {
     std::mt19937_64 rng(test_seed());
-    for (int i = 0; i < 100'000; ++i) read_scene_text(damaged_bytes(scene, rng));
+    for (int i = 0; i < long_rounds(100'000); ++i) read_scene_text(damaged_bytes(scene, rng));
 }
 
 TEST_CASE("fuzz: scenes with damaged values") {
@@ -117,14 +117,14 @@ TEST_CASE("fuzz: every truncation of a scene is refused") {
 TEST_CASE("fuzz: what this reader takes for JSON, another does too") {
     std::mt19937_64 rng(test_seed());
     int accepted = 0;
-    for (int i = 0; i < 100'000; ++i) {
+    for (int i = 0; i < long_rounds(100'000); ++i) {
         const std::string text = damaged_bytes(scene, rng);
         if (scene_complaint(text) != "accepted") continue;
         ++accepted;
         CAPTURE(text);
         CHECK(json::accept(text));
     }
-    CHECK(accepted > 1000);
+    CHECK(accepted > long_rounds(1000));
 }
 
 TEST_CASE("fuzz: plain balls with damaged bytes") {
@@ -147,7 +147,7 @@ TEST_CASE("fuzz: damaged cells are refused or judged") {
     for (const Cell& cell : {paraboloid_cell(), island_cell()}) {
         const std::string text = cell_text(cell);
         const json valid = json::parse(text);
-        for (int i = 0; i < 500; ++i) {
+        for (int i = 0; i < long_rounds(500); ++i) {
             read_and_check_cell(damaged_bytes(text, rng));
             json damaged = valid;
             damage_value(damaged, rng);

@@ -55,7 +55,7 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
                                         Region{Cylinder{Vec3(0, 0, 1), Vec3(0, 0, 3), 0.5}, 0.5}};
     int found = 0, told = 0;
     for (const Region& region : regions)
-        for (int k = 0; k < 60; ++k) {
+        for (int k = 0; k < long_rounds(60); ++k) {
             const auto ball = [&] {
                 const auto [start, way] = region.ray(uniform(0.2, 0.8), uniform(0.2, 0.8));
                 return Sphere{start + (region.first() + uniform(0.35, 1.5)) * way, uniform(0, 0.3)};
@@ -98,8 +98,8 @@ TEST_CASE("least places: a rival's excess has no negative least value on a bisec
                     }));
                 }
         }
-    CHECK(told > 100);
-    CHECK(found > 20);
+    CHECK(told > long_rounds(100));
+    CHECK(found > long_rounds(20));
 }
 
 TEST_CASE(
@@ -110,7 +110,7 @@ TEST_CASE(
     constexpr int n = 60;
     std::array<int, 9> told{};
     int found = 0;
-    for (int k = 0; k < 120 * rounds(); ++k) {
+    for (int k = 0; k < long_rounds(120); ++k) {
         Scene scene;
         const Sphere base{Vec3::Zero(), 0.5};
         scene.base = base;
@@ -171,7 +171,7 @@ TEST_CASE(
             }
     }
     CHECK(std::ranges::all_of(told, [](int count) { return count > rounds(); }));
-    CHECK(found > 6 * rounds());
+    CHECK(found > long_rounds(6));
 }
 
 TEST_CASE(

@@ -17,7 +17,7 @@ using namespace vcell;
 namespace {
 
 // Enough of them that the region comes in several blocks, and elements in several tasks.
-constexpr int many = 6000;
+constexpr int many = 4000;
 
 Scene over_plane(double side, const Vec3& normal = {0, 0, 1}) {
     Scene scene;
@@ -40,7 +40,7 @@ Scene random_balls(std::mt19937_64& rng, const Vec3& normal = {0, 0, 1}) {
 
 // Every inner vertex is equally far from four balls.
 Scene lattice() {
-    constexpr int n = 76;
+    constexpr int n = 50;
     Scene scene = over_plane(n);
     scene.box = {{0, 0, 0}, {n, n, 4}};
     for (int i = 0; i < n; ++i)
@@ -65,7 +65,7 @@ std::string text_on(unsigned threads, const Cell& cell) {
 void check_threads(const Scene& scene, const CellOptions& options = {}) {
     const Cell alone = cell_on(1, scene, options);
     const std::string text = text_on(1, alone);
-    REQUIRE(alone.faces.size() > 2500);
+    REQUIRE(alone.faces.size() > 1600);
     const std::vector<unsigned> counts = rounds() > 1 ? std::vector{2u, 3u, 8u} : std::vector{3u};
     for (const unsigned threads : counts) {
         CAPTURE(threads);

@@ -40,7 +40,7 @@ TEST_CASE("heights: those of cylinders over a plane hold their members', and ove
     Samples samples;
     int bounded = 0, tight = 0;
     for (const double exponents : {0.0, 10.0, 300.0, 600.0})
-        for (int round = 0; round < 4000; ++round) {
+        for (int round = 0; round < long_rounds(4000); ++round) {
             CylinderForm f;
             f.px = samples.any(exponents);
             f.py = samples.any(exponents);
@@ -76,8 +76,8 @@ TEST_CASE("heights: those of cylinders over a plane hold their members', and ove
             ++tight;
             CHECK(over.v.radius() <= 0x1p-40 * over.v.upper());
         }
-    CHECK(bounded > 2000);
-    CHECK(tight > 50);
+    CHECK(bounded > long_rounds(2000));
+    CHECK(tight > long_rounds(50));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "../../primitives/charts/sphere_chart.hpp"
+#include "../test_support.hpp"
 #include "radial_base_checks.hpp"
 
 namespace vcell::radial_base_test {
@@ -16,7 +17,7 @@ using namespace vcell::radial_base;
 
 TEST_CASE("radial base: over spheres, heights are where base and object are equally far") {
     Random r;
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < long_rounds(300); ++round) {
         const double scale = r.pick({1e-6, 1, 1e6}), far = r.pick({0, 1, 1000});
         const Sphere base{far * scale * r.vector(), scale * r.pick({0, 0.3, 1})};
         const double reach = std::max(base.radius, 0.5 * scale);
@@ -58,7 +59,7 @@ TEST_CASE("radial base: over spheres, heights are where base and object are equa
 
 TEST_CASE("radial base: over cylinders, heights are where base and object are equally far") {
     Random r;
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < long_rounds(300); ++round) {
         const double scale = r.pick({1e-6, 1, 1e6}), far = r.pick({0, 1, 1000});
         const bool oblique = round % 2 == 0;
         const Vec3 axis = oblique ? Vec3(r.direction()) : Vec3(r.pick({-2, 3}) * Vec3::Unit(round % 3));
@@ -115,7 +116,7 @@ TEST_CASE("radial base: over cylinders, heights are where base and object are eq
 
 TEST_CASE("radial base: over a sphere, double forms are within 4u of the exact ones") {
     Random r;
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < long_rounds(300); ++round) {
         // Far from the origin every difference is inexact; a tiny gap makes C and K cancel.
         const Vec3 center = r.pick({0, 1, 1e3}) * r.vector();
         const double radius = r.pick({0, 1, 1.7}),

@@ -104,7 +104,7 @@ Balls exact(const VertexSystem& s) {
 TEST_CASE("solver: random spheres have the equidistant points of the closed form") {
     std::mt19937_64 rng(test_seed());
     std::array<int, 3> by_count{};
-    for (int n = 0; n < 600; ++n) {
+    for (int n = 0; n < long_rounds(600); ++n) {
         const VertexSystem system = random_balls(rng, n % 2 == 0);
         const auto points = closed_form(exact(system));
         if (!points) continue;
@@ -132,7 +132,7 @@ TEST_CASE("solver: random spheres have the equidistant points of the closed form
         }
         ++by_count[inside.size()];
     }
-    for (const int count : by_count) CHECK(count > 4);
+    for (const int count : by_count) CHECK(count > long_rounds(4));
 }
 
 TEST_CASE("vertex system: its points are equidistant from plane, spheres and cylinders") {
