@@ -142,16 +142,19 @@ double CylinderTurns::mean_height(FaceId face, double from, double to) const {
     return count[0] > 0 ? sum[0] / count[0] : 0.5 * (problem_.stretch[0] + problem_.stretch[1]);
 }
 
-double CylinderTurns::clear_angle(FaceId face, std::size_t count) const {
-    const double width = 2 * std::numbers::pi / static_cast<double>(count);
+std::vector<double> CylinderTurns::of_vertices(FaceId face) const {
     std::vector<double> angles;
     loops_.around(face, [&](EdgeId e, bool) {
-        const VertexId start = diagram_.start(e);
-        if (!start.valid()) return;
-        const double angle = chart_angle(diagram_.vertices[start].point.x());
-        angles.push_back(angle - width * std::floor(angle / width));
+        if (const VertexId start = diagram_.start(e); start.valid())
+            angles.push_back(chart_angle(diagram_.vertices[start].point.x()));
     });
+    return angles;
+}
+
+double clear_angle(std::vector<double> angles, std::size_t count) {
+    const double width = 2 * std::numbers::pi / static_cast<double>(count);
     if (angles.empty()) return off_middle;
+    for (double& angle : angles) angle -= width * std::floor(angle / width);
     std::ranges::sort(angles);
     angles.push_back(angles.front() + width);
     std::size_t widest = 0;

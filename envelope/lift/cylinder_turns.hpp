@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "based_diagram.hpp"
 #include "face_loops.hpp"
@@ -21,6 +22,9 @@ constexpr double off_middle = 0.48643;
 inline double chart_angle(double x) {
     return x > 1 ? std::numbers::pi + 2 * std::atan(x - 2) : 2 * std::atan(x);
 }
+
+/// Where the sides of `count` sectors once around keep furthest from all of these angles.
+double clear_angle(std::vector<double> angles, std::size_t count);
 
 class CylinderTurns {
 public:
@@ -50,8 +54,8 @@ public:
     Extent extent(FaceId face) const;
     /// The mean y of a face's boundary points between two angles; of all its points where none lie there.
     double mean_height(FaceId face, double from, double to) const;
-    /// Where the sides of `count` sectors keep furthest from the face's vertices.
-    double clear_angle(FaceId face, std::size_t count) const;
+    /// Angles of the face's vertices, in no order.
+    std::vector<double> of_vertices(FaceId face) const;
 
     /// The angle over an edge's start, and by how much it changes.
     std::array<double, 2> along(EdgeId e) const;

@@ -1,8 +1,9 @@
-/// Faces that reach around a cylinder base, cut along generators into parts with a patch each.
+/// Faces that reach around a cylinder base, or around a vessel's axis over a sphere, cut into parts with a
+/// patch each: along the base's generators, or in half planes from the axis.
 ///
-/// The base is divided by generators into sectors; sector i has its own angle parameter u, zero
+/// These divide the face into sectors; sector i has its own angle parameter u, zero
 /// in its middle and increasing towards sector i + 1, so that its sides are u = -reach() and u = reach(). The
-/// second parameter v grows along every generator in all sectors. Boundary curves come in runs within one
+/// second parameter v grows along all such sides and between them. Boundary curves come in runs within one
 /// sector each; where one run ends in a sector's side and the next one starts in the sector beyond, the face
 /// continues along the side: such crossings come in pairs, with a seam piece between them that closes the
 /// loops of both sectors.

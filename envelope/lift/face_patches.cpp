@@ -10,7 +10,6 @@
 
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/axial_terms.hpp"
-#include "../../primitives/fit/arc_equations.hpp"
 #include "trim_bounds.hpp"
 
 namespace vcell::radial {
@@ -52,10 +51,12 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
         is_flat_[form] = vcell::is_flat(problem_, form);
         if (problem_.chart.is_sphere()) {
             const Object& object = problem_.objects[form];
-            const Vec3 about = std::holds_alternative<HollowSphere>(object) ? clear_pole(face)
-                               : is_vessel(object)                          ? away_from_axis(face)
-                                                                            : middle(face);
-            patches_.push_back(RadialPatch(problem_, form, about, 0));
+            const bool is_in_ball = std::holds_alternative<HollowSphere>(object);
+            patches_.push_back({});
+            if (is_vessel(object) && !is_in_ball)
+                add_in_vessel(face);
+            else
+                patches_[face] = RadialPatch(problem_, form, is_in_ball ? clear_pole(face) : middle(face), 0);
         } else {
             patches_.push_back({});
             add_around_cylinder(face);
@@ -96,40 +97,6 @@ std::vector<Vec3> FacePatches::poles(FaceId face) const {
         for (const double side : {-1.0, 1.0}) all.push_back(side * Vec3::Unit(axis));
     std::erase_if(all, [&](const Vec3& p) { return !is_owned_by_others(form, -p); });
     return all;
-}
-
-// The middle of the angles about a hollow tube's or cone's axis at which the face has its boundary: opposite
-// to the widest gap between these. Seen from the base such a face may reach around most of it, and points of
-// its boundary lie behind.
-Vec3 FacePatches::away_from_axis(FaceId face) const {
-    const Object& object = problem_.objects[diagram_.face_forms[face]];
-    const auto* tube = std::get_if<HollowCylinder>(&object);
-    const auto* cone = std::get_if<HollowCone>(&object);
-    const Vec3 point = tube != nullptr ? tube->point : cone->apex,
-               axis = (tube != nullptr ? tube->axis : cone->axis).stableNormalized(),
-               x = axis.unitOrthogonal(), y = axis.cross(x);
-    const space_fit::Equation equation =
-        space_fit::site_equation(problem_.chart, object, false, Vec3::Zero());
-    std::vector<double> angles;
-    const auto add = [&](const Vec3& p) { angles.push_back(std::atan2(y.dot(p - point), x.dot(p - point))); };
-    loops_.around(face, [&](EdgeId e, bool) {
-        if (curves_.has_ends(e)) add(curves_.from(e).head<3>() / curves_.from(e).w());
-        for (const auto& piece : diagram_.pieces(e)) {
-            const Vec3 u = problem_.chart.normal(piece.end);
-            add(equation.distance_along(Vec3::Zero(), u) * u);
-        }
-    });
-    if (angles.empty()) return x;
-    std::ranges::sort(angles);
-    double middle = 0, widest = -1;
-    for (std::size_t i = 0; i < angles.size(); ++i) {
-        const double next = i + 1 < angles.size() ? angles[i + 1] : angles[0] + 2 * pi,
-                     gap = next - angles[i];
-        if (!(gap > widest)) continue;
-        widest = gap;
-        middle = 0.5 * (angles[i] + next) + pi;
-    }
-    return std::cos(middle) * x + std::sin(middle) * y;
 }
 
 // About the pole from which the face needs the lowest degree.
@@ -173,13 +140,16 @@ bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction) const {
 }
 
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
-    if (!problem_.chart.is_sphere()) return change_around_cylinder(face, is_too_wide);
+    if (is_cut(face)) return narrow(face, is_too_wide);
+    if (vessel_axes_.contains(face) || !problem_.chart.is_sphere()) {
+        change_and_cut(face);
+        return true;
+    }
     wide_.resize(patches_.size());
     if (wide_[face]) return false;
     wide_[face] = true;
-    const Object& object = problem_.objects[diagram_.face_forms[face]];
-    if (std::holds_alternative<HollowSphere>(object)) return change_in_sphere(face);
-    if (is_vessel(object)) return false;
+    if (std::holds_alternative<HollowSphere>(problem_.objects[diagram_.face_forms[face]]))
+        return change_in_sphere(face);
     patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0, true);
     return true;
 }
@@ -197,6 +167,18 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     for (const Sector& s : sectors_[face])
         site.parts.push_back({s.patch.coordinates(), {-s.reach(), s.reach()}, &s.patch});
     return site;
+}
+
+// ---- Around a vessel's axis -------------------------------------------------------------------------
+
+// Around a hollow tube's or cone's axis, of which the face's boundary keeps clear: others hide the tips of
+// the bisector there. A patch is about the middle of the angles that the face covers.
+void FacePatches::add_in_vessel(FaceId face) {
+    const FormId form = diagram_.face_forms[face];
+    const VesselAxis& axis = vessel_axes_.emplace(face, problem_.objects[form]).first->second;
+    const VesselTurns turns({problem_, diagram_}, loops_, axis, face);
+    patches_[face] = RadialPatch(problem_, form, axis.direction(turns.middle()), 0);
+    if (turns.is_closed() || turns.width() > widest_patch) cut(face);
 }
 
 // ---- Around a cylinder ------------------------------------------------------------------------------
@@ -231,28 +213,44 @@ void FacePatches::refuse_around_tip(FaceId face, const CylinderTurns::Extent& e)
     }
 }
 
-// Into two halves: those that patches are for, if they are for a half.
+// ---- Sectors ----------------------------------------------------------------------------------------
+
+// Around a cylinder into two halves: those that patches are for, if they are for a half. About a vessel's
+// axis into three parts: where the base is centred on it the weight in the middle of a half is none.
 void FacePatches::cut(FaceId face) {
     const std::optional<Vec3>& half = patches_[face].half();
-    const double start = half ? turns_.angle(*half) - 0.5 * pi : turns_.clear_angle(face, 2);
-    for (const double from : {start, start + pi}) sectors_[face].push_back(sector(face, from, from + pi));
+    const auto axis = vessel_axes_.find(face);
+    const bool is_about_base = axis == vessel_axes_.end();
+    const std::size_t count = is_about_base ? 2 : 3;
+    const auto vertices = [&] {
+        if (is_about_base) return turns_.of_vertices(face);
+        return VesselTurns({problem_, diagram_}, loops_, axis->second, face).of_vertices();
+    };
+    const double start = half ? turns_.angle(*half) - 0.5 * pi : clear_angle(vertices(), count),
+                 width = 2 * pi / static_cast<double>(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double from = start + width * static_cast<double>(i);
+        sectors_[face].push_back(sector(face, from, from + width));
+    }
 }
 
 Sector FacePatches::sector(FaceId face, double from, double to) const {
+    const FormId form = diagram_.face_forms[face];
+    if (const auto axis = vessel_axes_.find(face); axis != vessel_axes_.end())
+        return {from, to, RadialPatch(problem_, form, axis->second.direction(0.5 * (from + to)), 0)};
     const Vec3 middle = turns_.direction(0.5 * (from + to));
     const double y = turns_.mean_height(face, from, to);
-    return {from, to,
-            RadialPatch(problem_, diagram_.face_forms[face], middle, y, patches_[face].half().has_value())};
+    return {from, to, RadialPatch(problem_, form, middle, y, patches_[face].half().has_value())};
 }
 
-// Narrower sectors have smaller rectangles; and patches that are for a half each keep away from what lies at
-// infinity.
-bool FacePatches::change_around_cylinder(FaceId face, const std::vector<bool>& is_too_wide) {
-    if (!is_cut(face)) {
-        patches_[face] = patch_around(face, turns_.extent(face), true);
-        cut(face);
-        return true;
-    }
+// Patches that are for a half each keep away from what lies at infinity.
+void FacePatches::change_and_cut(FaceId face) {
+    if (!vessel_axes_.contains(face)) patches_[face] = patch_around(face, turns_.extent(face), true);
+    cut(face);
+}
+
+// Narrower sectors have smaller rectangles.
+bool FacePatches::narrow(FaceId face, const std::vector<bool>& is_too_wide) {
     std::vector<Sector> finer;
     for (std::size_t i = 0; i < sectors_[face].size(); ++i) {
         const auto& [from, to, patch] = sectors_[face][i];

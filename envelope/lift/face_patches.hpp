@@ -1,9 +1,12 @@
 /// Which patches the faces over a sphere or a cylinder base have. Around a cylinder a face may turn further
 /// than a patch does: then the base is divided into sectors by generators, and each has a patch of its own.
+/// So may a face of a hollow tube or cone over a sphere around the vessel's axis, and is divided about that.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -13,10 +16,12 @@
 #include "radial_curves.hpp"
 #include "radial_patch.hpp"
 #include "space_arc.hpp"
+#include "vessel_turns.hpp"
 
 namespace vcell::radial {
 
-/// The part of the base between two angles of the chart, with a patch of its own.
+/// What lies between two angles of the chart around a cylinder, or about a vessel's axis over a sphere, with
+/// a patch of its own.
 struct Sector {
     double from, to;
     RadialPatch patch;
@@ -35,6 +40,9 @@ public:
     const RadialPatch& operator[](FaceId face) const { return patches_[face]; }
     bool is_cut(FaceId face) const { return !sectors_[face].empty(); }
     const CylinderTurns& turns() const { return turns_; }
+    bool has_cuts() const {
+        return std::ranges::any_of(sectors_, [](const auto& s) { return !s.empty(); });
+    }
     /// The sectors of a face that is cut, once around.
     std::span<const Sector> sectors(FaceId face) const { return sectors_[face]; }
     /// The sector in which a point of a face's boundary lies, which rises there with the face on its left or
@@ -56,15 +64,16 @@ private:
     std::vector<Vec3> poles(FaceId face) const;
     Vec3 clear_pole(FaceId face) const;
     bool change_in_sphere(FaceId face);
-    Vec3 away_from_axis(FaceId face) const;
     bool is_owned_by_others(FormId form, const Vec3& direction) const;
     RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
+    void add_in_vessel(FaceId face);
     void add_around_cylinder(FaceId face);
     /// Throws UndecidedError for a face on both sides of a tip that others hide.
     void refuse_around_tip(FaceId face, const CylinderTurns::Extent& e) const;
     void cut(FaceId face);
     Sector sector(FaceId face, double from, double to) const;
-    bool change_around_cylinder(FaceId face, const std::vector<bool>& is_too_wide);
+    void change_and_cut(FaceId face);
+    bool narrow(FaceId face, const std::vector<bool>& is_too_wide);
 
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
@@ -74,7 +83,8 @@ private:
     const bool has_patches_;
     IdVector<FaceId, RadialPatch> patches_;
     IdVector<FaceId, std::vector<Sector>> sectors_;
-    IdVector<FaceId, bool> wide_;  // over a sphere: has the patch been changed?
+    std::map<FaceId, VesselAxis> vessel_axes_;  // over a sphere, of hollow tubes' and cones' faces
+    IdVector<FaceId, bool> wide_;               // over a sphere: has the patch been changed?
     IdVector<FormId, char> is_flat_;
 };
 

@@ -36,7 +36,7 @@ void FaceSurfaces::make() {
     fits_.grant(to_fit.size());
     if (problem_.chart.is_sphere() && !to_fit.empty())
         for (const FaceId face : all)
-            if (!holds_vertices(face)) change_patch(face);
+            if (!patches_.is_cut(face) && !holds_vertices(face)) change_patch(face);
     for (const EdgeId e : to_fit) fits_.fit(e);
     if (fits_.refine())
         for (const EdgeId e : to_fit) fits_.fit(e);
@@ -48,7 +48,7 @@ void FaceSurfaces::make() {
             });
         sort_unique(to_fit);
         for (const EdgeId e : to_fit) fits_.fit(e);
-        if (!problem_.chart.is_sphere()) {
+        if (!problem_.chart.is_sphere() || patches_.has_cuts()) {
             changed = made(all);  // seams are numbered through
             continue;
         }

@@ -37,8 +37,8 @@
 /// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite
 /// is the only one that a patch lacks. Their weights are positive all over, those of control points over a
 /// wide rectangle in a higher degree only, which patch() then has. Hollow cylinders are AboutObject with
-/// delta = R + R0, and u = 0 in the direction from their axis to the face; the weight is positive all around,
-/// and the pole is where the face would reach around the axis.
+/// delta = R + R0, and u = 0 in the direction from their axis to the face; the weight is positive all around.
+/// A face that reaches around the axis has several patches (face_patches.hpp).
 ///
 /// Hollow cones likewise, with v along the wall's generators from the apex on: with half the angle's sine S
 /// and cosine K, the axis w, D = -apex, e(u) across the axis, n = S w - K e and g = K w + S e,

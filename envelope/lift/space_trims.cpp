@@ -83,7 +83,9 @@ Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
     for (int side = 0; side < 2; ++side) {
         const std::vector<SpacePart>& parts = arc.sites[side].parts;
         if (parts.empty()) continue;
-        const bool rises = (points(1, 0) < points(1, 5)) == (side == 0);
+        // Along a seam, of which v is one and the same increasing function in all parts.
+        const PatchCoordinate& v = parts.front().patch[1];
+        const bool rises = (v(point(points, 0)) < v(point(points, 1))) == (side == 0);
         const auto outside = [&](const SpacePart& part) {
             const PatchCoordinate& c = part.patch[0];
             if (!(at(c.divisor, X) > 0)) return infinity;

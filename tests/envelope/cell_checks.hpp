@@ -20,6 +20,15 @@ inline double distance_to(const Object& object, const Vec3& p) {
         const Vec3 axis = cylinder->axis.normalized(), m = p - cylinder->point;
         return (m - m.dot(axis) * axis).norm() - cylinder->radius;
     }
+    if (const auto* ball = std::get_if<HollowSphere>(&object))
+        return ball->radius - (p - ball->center).norm();
+    if (const auto* tube = std::get_if<HollowCylinder>(&object))
+        return tube->radius - tube->axis.normalized().cross(p - tube->point).norm();
+    if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        const Vec3 axis = cone->axis.normalized(), m = p - cone->apex;
+        const double sine = cone->radius / cone->slant;
+        return sine * axis.dot(m) - std::sqrt(1 - sine * sine) * axis.cross(m).norm();
+    }
     const auto& plane = std::get<Plane>(object);
     return std::abs((p - plane.point).dot(plane.normal)) / plane.normal.norm();
 }
