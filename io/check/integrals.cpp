@@ -42,6 +42,7 @@ public:
         sums_.faces.resize(cell.faces.size());
         sums_.slack.resize(cell.faces.size());
         sums_.lengths.resize(cell.edges.size());
+        turns_.resize(cell.faces.size(), 0.0);
         const auto outlined = outlines(cell, frame, uses);
         for (std::size_t f = 0; f < cell.faces.size(); ++f) {
             shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, outlined[f]));
@@ -60,6 +61,10 @@ public:
 
     Integrals run() {
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) add_edge(e);
+        // A face around a vessel's axis would have more than what lies between its edges there.
+        constexpr double less_than_half = 3;
+        for (std::size_t f = 0; f < turns_.size(); ++f)
+            if (!(turns_[f].magnitude() < less_than_half)) sums_.faces[f].is_known = false;
         return std::move(sums_);
     }
 
@@ -201,8 +206,24 @@ private:
         bool is_singular(const Disc& s) const { return conic.is_speed_singular(s); }
     };
 
+    /// What of a turn is known to less than a whole one in all tells it: whatever the effort, as without it
+    /// nothing is known.
+    void add_turn(const EdgeUse& use, const Fan& fan, const Span& span) {
+        constexpr int parts = 1024;
+        std::array<Interval, 1> turn{};
+        Effort effort{parts};
+        integrate<1>(
+            [&]<class T>(const T& s) {
+                return std::array<T, 1>{FanSection<T>(fan, span.at(s)).turn_about_axis()};
+            },
+            -1, 1, {32 * share_}, turn, effort);
+        Interval& sum = turns_[use.face];
+        sum = use.reversed ? sum - turn[0] : sum + turn[0];
+    }
+
     /// What takes two variables.
     void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
+        if (fan.along_wall) add_turn(use, fan, span);
         std::array<Interval, 2> sum{};
         const auto density = [&]<class T>(const T& s) {
             return [section = FanSection<T>(fan, span.at(s))](const T& sigma) {
@@ -378,6 +399,7 @@ private:
     double enough_of_shadows_;
     std::size_t ellipse_ = first_ellipse;  // that was enough last
     std::vector<std::optional<Shadow>> shadows_;
+    std::vector<Interval> turns_;  // about vessels' axes, by face
     Integrals sums_;
 };
 

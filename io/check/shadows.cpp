@@ -295,6 +295,8 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         set_tube(equation, scene, frame, tube);
         equation.is_hollow = true;
         equation.delta = -(MidRad(frame.length(vessel->radius)) + frame.radius());
+        equation.radius = -equation.delta;
+        equation.cosine = 1.0;
         return equation;
     }
     if (const auto* cone = std::get_if<HollowCone>(&object)) {
@@ -418,8 +420,7 @@ Shadow revolved_about(const Equation& equation, MidRad radius) {
             const MidRad along = dot(equation.d, equation.c);
             Triad<MidRad> nearest;
             for (const std::size_t i : {0, 1, 2}) nearest[i] = equation.c[i] - along * equation.d[i];
-            Fan fan{Fan::Base::sphere, equation, normalized(nearest)};
-            return fan;
+            return Fan{Fan::Base::sphere, equation, normalized(nearest)};
         }
     }
 }
@@ -463,7 +464,17 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
             return height<MidRad>(*equation, {0.0, 0.0, 0.0}, {u.x(), u.y(), u.z()}).t;
         });
         if (!start) return std::nullopt;
-        return Fan{Fan::Base::sphere, *equation, *start};
+        Fan fan{Fan::Base::sphere, *equation, *start};
+        if (equation->kind != Equation::Kind::ball) {
+            double lowest = HUGE_VAL, highest = -HUGE_VAL;
+            for (const auto& p : outline.points) {
+                const double v = along_wall<MidRad>(*equation, {p[0], p[1], p[2]}).mid();
+                lowest = std::min(lowest, v);
+                highest = std::max(highest, v);
+            }
+            fan.along_wall = 0.5 * (lowest + highest);
+        }
+        return fan;
     }
     if (about_sphere) return revolved_about(*equation, frame.radius());
     double least = HUGE_VAL, most = -HUGE_VAL;
@@ -501,6 +512,11 @@ FanSection<T>::FanSection(const Fan& fan, const Place<T>& p) : fan_(fan) {
         size_ = sqrt(squared_norm(n));
         sum_ = size_ + q_;
         turn_ = determinant(fan.start, n, dn);
+        if (fan.along_wall) {
+            const T share = T(1.0) / size_;
+            const T t = height<T>(fan.equation, {T(0.0), T(0.0), T(0.0)}, scaled(share, n)).t;
+            vessel_.emplace(fan.equation, *fan.along_wall, p, t);
+        }
         return;
     }
     // Between the start's height and the edge's, at the edge's angle: the face is on the left.
@@ -530,6 +546,10 @@ Densities<T> FanSection<T>::at(const T& sigma) const {
             return {turn * t, turn * steepness, turn, steepness};
         }
         case Fan::Base::sphere: {
+            if (vessel_) {
+                const auto [volume, area, steepness] = vessel_->at(sigma);
+                return {volume, area, T(0.0), steepness};
+            }
             // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma
             // y runs from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle 4 / (1 +
             // |y|^2)^2 of y's area.

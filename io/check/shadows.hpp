@@ -24,7 +24,9 @@
 #include <variant>
 #include <vector>
 
+#include "equation.hpp"
 #include "frame.hpp"
+#include "vessel_section.hpp"
 
 namespace vcell::check {
 
@@ -54,20 +56,6 @@ struct Revolved {
     MidRad A, B, E;  ///< E = A^2 - B^2, 0 for a plane
     bool is_paraboloid;
     MidRad b1, K2, volume;  ///< A + B, K^2, K^3 / (6 (A + B)^2)
-};
-/// The equation of one object, in the frame.
-struct Equation {
-    enum class Kind { ball, tube, plane, side, cone } kind;
-    Triad<MidRad> c;  ///< ball: centre; tube: a point of the axis; cone: apex; plane, side: unit normal
-    Triad<MidRad> d;  ///< tube, cone: unit axis
-    std::array<Triad<MidRad>, 2> across;  ///< tube: with d an orthonormal frame
-    std::array<MidRad, 2> across_c;       ///< tube: the coordinates of c in it
-    MidRad delta;                         ///< ball, tube
-    bool is_hollow = false;               ///< ball, tube: a vessel
-    MidRad offset;                        ///< plane: D; side: n p = offset on it
-    double sign = 1;                      ///< plane: of the side where the base is
-    MidRad radius;                        ///< plane, cone: R
-    MidRad sine, cosine;                  ///< cone
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {
@@ -109,6 +97,8 @@ struct Fan {
     enum class Base { plane, sphere, cylinder } base;
     Equation equation;
     Triad<MidRad> start;
+    /// About a sphere, in a hollow tube or cone: where volume and area start along the wall instead.
+    std::optional<MidRad> along_wall = std::nullopt;
 };
 
 using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
@@ -140,6 +130,8 @@ public:
     Densities<T> at(const T& sigma) const;
     /// Integrates the shadow alone, over all sigma: it takes no second variable.
     T shadow() const;
+    /// About a vessel's axis, by how much the angle grows along the edge. Pre: fan.along_wall.
+    const T& turn_about_axis() const { return vessel_->turn(); }
 
 private:
     const Fan& fan_;
@@ -147,6 +139,7 @@ private:
     T turn_;
     T q_, size_, sum_;  ///< about a sphere: the share along the start, the length, and both
     T rise_;            ///< on a cylinder
+    std::optional<VesselSection<T>> vessel_;
 };
 
 }  // namespace vcell::check

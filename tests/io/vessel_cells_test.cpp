@@ -4,14 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
+#include "../../io/check/integrals.hpp"
 #include "../../io/files/cell_file.hpp"
 #include "../../io/files/scene_file.hpp"
+#include "../../io/pictures/mesh.hpp"
 #include "../test_support.hpp"
+#include "closed_meshes.hpp"
 #include "listing.hpp"
 
 namespace vcell {
@@ -171,6 +178,123 @@ TEST_CASE("vessel cells: one that is all of a sphere or of a spheroid is not ref
         const Certificate c = certify(voronoi_cell(scene));
         CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
         CHECK(c.count(Verdict::proved) > 0);
+    }
+}
+
+// ---- Around a vessel's axis -----------------------------------------------------------------------------
+
+// A ball on the axis of a tube that all of its cell but the ends is about: the wall's face is r = (D^2 - z^2)
+// / (2 D) away from the axis.
+Scene on_axis() {
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0.5};
+    scene.objects = {HollowCylinder{{0, 0, 7}, {0, 0, 2}, 2}};
+    scene.box = {{-4, -4, -1.5}, {4, 4, 1.5}};
+    return scene;
+}
+
+// Three balls, of which the first is the base, in a tube or a cone about the z axis.
+Scene few_balls(const Object& vessel) {
+    Scene scene;
+    scene.base = Sphere{{0.25, 0.125, 0}, 0.5};
+    scene.objects = {Sphere{{-0.5, 0.25, 1.25}, 0.375}, Sphere{{0.75, -0.75, -1}, 0.25}, vessel};
+    scene.box = {{-4, -4, -1.5}, {4, 4, 1.5}};
+    return scene;
+}
+
+const CellFace& face_of(const Cell& cell, Site site) {
+    const auto face = std::ranges::find(cell.faces, site, &CellFace::site);
+    REQUIRE(face != cell.faces.end());
+    return *face;
+}
+
+TEST_CASE("vessel cells: integrals of a face around the axis have closed forms, of one with a tip none") {
+    const Cell cell = voronoi_cell(on_axis());
+    const check::Frame frame(cell.scene);
+    const auto wall = static_cast<std::size_t>(&face_of(cell, Site::object(0)) - cell.faces.data());
+    std::vector<std::vector<check::EdgeUse>> uses(cell.edges.size());
+    for (std::size_t f = 0; f < cell.faces.size(); ++f)
+        for (const TrimmedPatch& patch : cell.faces[f].patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& trim : loop) {
+                    if (!trim.edge) continue;
+                    auto& of_edge = uses[*trim.edge];
+                    if (std::ranges::find(of_edge, f, &check::EdgeUse::face) == of_edge.end())
+                        of_edge.push_back({f, trim.reversed});
+                }
+    const std::vector<check::EdgeBand> bands(cell.edges.size(), {1e-9, 2});
+    const std::vector<std::optional<check::Precision>> proofs(cell.faces.size(),
+                                                              check::Precision{1e-12, 1e-12});
+    const auto integrals = [&] {
+        return check::integrate_faces(cell, frame, uses, bands, {1e-12, 1e-12, 1e-12}, 64, proofs)
+            .faces[wall];
+    };
+    const double D = 2.5, h = 1.5, D2 = D * D, h2 = h * h, pi = std::numbers::pi;
+    const double r = (D2 - h2) / (2 * D);
+    const double volume =
+        pi / (2 * D2) * h * (D2 * D2 - 2 * D2 * h2 / 3 + h2 * h2 / 5) - 2 * pi * r * r * h / 3;
+    double area = 0;  // 2 pi r sqrt(1 + r'^2) by Simpson's rule
+    constexpr int parts = 1000;
+    for (int i = 0; i <= parts; ++i) {
+        const double z = -h + 2 * h * i / parts;
+        area += (D2 - z * z) / D * std::hypot(1, z / D) * (i == 0 || i == parts ? 1 : i % 2 == 1 ? 4 : 2);
+    }
+    area *= pi * 2 * h / parts / 3;
+    const double unit = frame.unit();
+    const check::FaceIntegrals whole = integrals();
+    CHECK(whole.is_known);
+    CHECK(whole.is_proved);
+    // Edges are splines, off by less than 1e-6.
+    CHECK(whole.volume.mid() * unit * unit * unit == doctest::Approx(volume).epsilon(1e-6));
+    CHECK(whole.area.mid() * unit * unit == doctest::Approx(area).epsilon(1e-6));
+    CHECK(whole.area.width() < 1e-9);
+    CHECK(whole.shadow.mid() > 0);
+    // With one of its edges alone it would go on to where the bisector meets the axis.
+    std::erase_if(uses[0], [&](const check::EdgeUse& use) { return use.face == wall; });
+    CHECK_FALSE(integrals().is_known);
+}
+
+TEST_CASE("vessel cells: faces around a vessel's axis are certified, meshed, and refuted where damaged") {
+    const HollowCylinder upright{{0, 0, 0.5}, {0, 0, 1}, 2}, leaning{{0.25, 0, 0}, {0.125, -0.25, 2}, 2};
+    const HollowCone funnel{{0, 0, -3.75}, {0, 0, 1}, 3, 5}, askew{{0.25, 0, -4}, {0.125, 0, 2}, 3, 5};
+    const std::vector<Scene> scenes{on_axis(), few_balls(upright), few_balls(leaning), few_balls(funnel),
+                                    few_balls(askew)};
+    for (const Scene& scene : scenes) {
+        const Site wall = Site::object(static_cast<std::uint32_t>(scene.objects.size() - 1));
+        CAPTURE(scene.objects.size());
+        CAPTURE(scene.objects.back().index());
+        const Cell cell = voronoi_cell(scene);
+        const CellFace& face = face_of(cell, wall);
+        REQUIRE(face.patches.size() >= 3);
+        const auto at = static_cast<std::size_t>(&face - cell.faces.data());
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+
+        const CellMesh mesh = tessellate(cell);
+        CHECK(is_closed(mesh));
+        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(4e-3));
+
+        std::stringstream file;
+        write_cell(file, cell);
+        CHECK(certify(parse_cell(file.str())).holds());
+
+        const auto expect = [&](const std::string& where,
+                                const std::function<void(Cell&, CellFace&)>& damage) {
+            Cell bad = cell;
+            damage(bad, bad.faces[at]);
+            const Certificate c = certify(bad, {50, 1, 4});
+            CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
+        };
+        const std::string name = "faces[" + std::to_string(at) + "]";
+        expect(name + ".area", [](Cell&, CellFace& f) { f.area *= 1 + 1e-4; });
+        expect("measures.volume", [](Cell& bad, CellFace&) { bad.measures.volume *= 1 + 1e-4; });
+        expect(name + ".patches[0", [](Cell&, CellFace& f) { f.patches[0].surface.points[1].x() += 1e-3; });
+        expect("", [](Cell&, CellFace& f) { f.patches.pop_back(); });
+        expect("", [](Cell&, CellFace& f) {
+            for (auto& loop : f.patches[0].loops)
+                for (TrimCurve& trim : loop)
+                    if (trim.seam) trim.seam = *trim.seam + 1;
+        });
     }
 }
 

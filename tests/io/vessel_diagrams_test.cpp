@@ -91,6 +91,27 @@ TEST_CASE("check of a diagram with walls: nothing is refuted among random balls,
     }
 }
 
+// Faces of the wall reach around its axis, where others hide its tips.
+TEST_CASE("check of a diagram with walls: a few balls in a tube or a cone have their cells") {
+    std::mt19937_64 rng(test_seed());
+    Object wall = tube_wall;
+    SUBCASE("in a tube") {}
+    SUBCASE("in a cone") { wall = HollowCone{{0.125, 0, -4}, {0.0625, 0, 1}, 3, 5}; }
+    int around = 0;
+    for (int round = 0; round < 2 * rounds(); ++round) {
+        std::uniform_real_distribution<double> at(-0.25, 0.25), radius(0.2, 0.4);
+        std::vector<Object> balls;
+        for (const double z : {-1.0, 0.0, 1.0})
+            balls.push_back(Sphere{{at(rng), at(rng), z + at(rng)}, radius(rng)});
+        const StoredDiagram diagram = stored(scene_with(balls, {wall}));
+        REQUIRE(diagram.cells.size() == 3);
+        for (const auto& [object, cell] : diagram.cells)
+            for (const CellFace& f : cell.faces) around += f.patches.size() > 1;
+        check_proved(certify(diagram));
+    }
+    CHECK(around >= 3);
+}
+
 TEST_CASE("check of a diagram with walls: a wall's face that leaves a narrow lens to others is enclosed") {
     DiagramScene scene;
     scene.objects = {Sphere{{2, 4, 7}, 0.5}, Sphere{{6, 5, 7}, 1}, Sphere{{6, 6, 4}, 1},
