@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "conics.hpp"
+#include "face_terms.hpp"
+#include "triads.hpp"
 
 namespace vcell::check {
 
@@ -43,9 +46,9 @@ public:
         sums_.slack.resize(cell.faces.size());
         sums_.lengths.resize(cell.edges.size());
         turns_.resize(cell.faces.size(), 0.0);
-        const auto outlined = outlines(cell, frame, uses);
+        outlined_ = outlines(cell, frame, uses);
         for (std::size_t f = 0; f < cell.faces.size(); ++f) {
-            shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, outlined[f]));
+            shadows_.push_back(shadow(cell.scene, frame, cell.faces[f].site, outlined_[f]));
             sums_.faces[f].is_known = shadows_.back().has_value();
         }
         // Shares of what may be missed: of each piece on either side, two units wide; of all together a
@@ -60,6 +63,8 @@ public:
     }
 
     Integrals run() {
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+            if (outlined_[f].points.empty()) add_spheroid(f);
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) add_edge(e);
         // A face around a vessel's axis would have more than what lies between its edges there.
         constexpr double less_than_half = 3;
@@ -69,6 +74,32 @@ public:
     }
 
 private:
+    /// A face without edges is all of a spheroid about a ball's centre, in a hollow sphere: with D the sum of
+    /// the radii and c the way between the centres t = (D^2 - |c|^2) / (2 b), b = D + |c| z, where z is the
+    /// cosine of the angle to -c, and sqrt(|c|^2 - D^2 + 2 D b) / b the area for that about the ball.
+    void add_spheroid(std::size_t f) {
+        const Site& site = cell_.faces[f].site;
+        const auto* vessel =
+            site.is_object() ? std::get_if<HollowSphere>(&cell_.scene.objects[site.index]) : nullptr;
+        const auto* base = std::get_if<Sphere>(&cell_.scene.base);
+        if (!vessel || !base) return;
+        const MidRad c = sqrt(squared_norm(near(frame_.point(vessel->center)))),
+                     D = MidRad(frame_.length(vessel->radius)) + frame_.radius(),
+                     K = 0.5 * ((D - c) * (D + c));
+        if (!(K.lower() > 0)) return;
+        std::array<Interval, 2> sum{};
+        Effort effort{16 * effort_};
+        const bool is_told = integrate<2>(
+            [&]<class T>(const T& z) {
+                const T b = T(D) + c * z, t = T(K) / b, t2 = square(t);
+                const T steepness = sqrt(T(square(c) + square(D)) + 2.0 * (D * c) * z) / b;
+                return std::array<T, 2>{t * t2 * T(third), t2 * steepness};
+            },
+            -1, 1, {enough_[0], enough_[1]}, sum, effort);
+        const Interval turn = 2.0 * Interval(std::numbers::pi, std::nextafter(std::numbers::pi, 4));
+        sums_.faces[f] = {turn * sum[0], turn * sum[1], 2.0 * turn, is_told, true};
+    }
+
     void add_edge(std::size_t e) {
         for (const Span& span : spans(cell_.edges[e].curve, frame_)) {
             std::array<const Shadow*, 2> direct{};
@@ -399,7 +430,8 @@ private:
     double enough_of_shadows_;
     std::size_t ellipse_ = first_ellipse;  // that was enough last
     std::vector<std::optional<Shadow>> shadows_;
-    std::vector<Interval> turns_;  // about vessels' axes, by face
+    std::vector<Outline> outlined_;  // by face
+    std::vector<Interval> turns_;    // about vessels' axes, by face
     Integrals sums_;
 };
 
