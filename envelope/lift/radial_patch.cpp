@@ -342,10 +342,10 @@ struct ControlNet {
 // A spheroid's weights are positive all over, but those of its control points over a wide rectangle in higher
 // degrees only: of degree n they are above that of the middle of 1 + u^2 + v^2 less (u^2 + v^2) / (n - 1).
 // Those of bisectors with tubes and cones seen from within are positive all around, and need it where faces
-// reach far around.
-constexpr int most_raised = 10;
-// Raising takes four roundings each time, and there are eight at most.
-constexpr double rounding_of_raised = 3 * rounding_each;
+// reach far around. CAD programs read degrees up to 25.
+constexpr int most_raised = 24;
+// Raising takes four roundings each time, and there are 22 at most.
+constexpr double rounding_of_raised = 7 * rounding_each;
 
 }  // namespace
 

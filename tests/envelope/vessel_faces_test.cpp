@@ -3,7 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <random>
 #include <string>
@@ -224,6 +227,52 @@ TEST_CASE("vessel faces: around the axis of a tube or a cone one patch holds eac
     }
     CHECK(around > 2);
     CHECK(shown > 40);
+}
+
+// From any direction that such a face leaves to others it reaches far around: weights of control points are
+// positive in a high degree.
+TEST_CASE("vessel faces: of a sphere that few balls share one patch reaches far around") {
+    const auto scene_of = [](const std::vector<Sphere>& balls, const HollowSphere& wall) {
+        Scene scene;
+        scene.base = balls[0];
+        scene.objects.assign(balls.begin() + 1, balls.end());
+        scene.objects.push_back(wall);
+        scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+        return scene;
+    };
+    for (const Scene& scene :
+         {scene_of({{{5, 2, 5}, 1}, {{6, 6, 3}, 0.25}, {{2, 3, 1}, 0.5}, {{6, 1, 5}, 0.25}}, {{3, 3, 5}, 6}),
+          scene_of({{{4, 4, 3}, 1}, {{4, 5, 7}, 0.25}, {{2, 3, 5}, 0.5}, {{1, 4, 2}, 0.25}},
+                   {{4, 5, 4}, 4})}) {
+        const Cell cell = voronoi_cell(scene);
+        vessel_oracle::check_volume(scene, cell);
+        vessel_oracle::check_vertices(cell);
+        std::vector<std::array<double, 2>> uses(cell.edges.size(), {0, 0});
+        std::map<std::uint32_t, std::vector<std::array<Vec3, 3>>> seams;
+        for (const CellFace& of_cell : cell.faces)
+            for (const TrimmedPatch& patch : of_cell.patches)
+                radial_cells::check_patch(cell, patch, uses, seams);
+        for (const auto& [left, right] : uses) {
+            CHECK(left == doctest::Approx(1));
+            CHECK(right == doctest::Approx(1));
+        }
+        // Control points of little weight are rounded more than others.
+        for (const CellEdge& edge : cell.edges) CHECK(edge.error < 1e-6);
+        const CellFace& face = face_of(cell, Site::object(3));
+        REQUIRE(face.patches.size() == 1);
+        const RationalPatch& s = face.patches[0].surface;
+        CHECK(s.degree_u > 10);
+        const auto& base = std::get<Sphere>(scene.base);
+        double furthest = 0;
+        for (int i = 0; i <= 16; ++i)
+            for (int k = 0; k <= 16; ++k) {
+                const Vec3 p = s.evaluate(std::lerp(s.domain_u[0], s.domain_u[1], i / 16.0),
+                                          std::lerp(s.domain_v[0], s.domain_v[1], k / 16.0));
+                const double off = (p - base.center).norm() - base.radius - away(scene.objects.back(), p);
+                furthest = std::max(furthest, std::abs(off));
+            }
+        CHECK(furthest < 1e-11);
+    }
 }
 
 // Turns by quarters are exact.
