@@ -243,11 +243,9 @@ private:
         constexpr int parts = 1024;
         std::array<Interval, 1> turn{};
         Effort effort{parts};
-        integrate<1>(
-            [&]<class T>(const T& s) {
-                return std::array<T, 1>{FanSection<T>(fan, span.at(s)).turn_about_axis()};
-            },
-            -1, 1, {32 * share_}, turn, effort);
+        const VesselTips tips(fan.equation);
+        integrate<1>([&]<class T>(const T& s) { return std::array<T, 1>{turn_between(tips, span.at(s))}; },
+                     -1, 1, {32 * share_}, turn, effort);
         Interval& sum = turns_[use.face];
         sum = use.reversed ? sum - turn[0] : sum + turn[0];
     }

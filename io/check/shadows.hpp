@@ -130,8 +130,6 @@ public:
     Densities<T> at(const T& sigma) const;
     /// Integrates the shadow alone, over all sigma: it takes no second variable.
     T shadow() const;
-    /// About a vessel's axis, by how much the angle grows along the edge. Pre: fan.along_wall.
-    const T& turn_about_axis() const { return vessel_->turn(); }
 
 private:
     const Fan& fan_;

@@ -32,8 +32,6 @@ public:
     /// At sigma in [0, 1] of the way to the edge, per d sigma and per ds along the edge that the face lies on
     /// the left of.
     At at(const T& sigma) const;
-    /// d phi / ds.
-    const T& turn() const { return turn_; }
 
 private:
     const Equation& equation_;
@@ -41,6 +39,43 @@ private:
     T first_, rise_, turn_;       // v less K D w at sigma = 0, by how much it grows; of the edge
     T along_, across_, off_, G_;  // S D e, D e', D n
 };
+
+/// Directions from the ball's centre in which the bisector comes to the vessel's axis: `pole` is opposite to
+/// one of them, `other` the other one in the stereographic plane about the pole.
+struct VesselTips {
+    Triad<MidRad> pole, other;
+
+    explicit VesselTips(const Equation& e) {
+        // f + k w with f across the axis: |f|^2 + k^2 = (R0 + S (k - c w))^2.
+        const MidRad L = e.radius - e.sine * dot(e.d, e.c), K2 = square(e.cosine),
+                     root = sqrt(square(L) - K2 * (square(e.across_c[0]) + square(e.across_c[1])));
+        const auto tip = [&](const MidRad& k) {
+            Triad<MidRad> p;
+            for (const std::size_t i : {0, 1, 2})
+                p[i] = e.across_c[0] * e.across[0][i] + e.across_c[1] * e.across[1][i] + k * e.d[i];
+            return normalized(p);
+        };
+        pole = scaled(MidRad(-1.0), tip((e.sine * L - root) / K2));
+        const Triad<MidRad> u = tip((e.sine * L + root) / K2);
+        const MidRad q = dot(pole, u), share = MidRad(1.0) / (1.0 + q);
+        for (const std::size_t i : {0, 1, 2}) other[i] = (u[i] - q * pole[i]) * share;
+    }
+};
+
+/// By how much an edge turns around `other` in that plane per ds, as seen in its direction from the ball's
+/// centre. A loop makes as many turns around the axis: both are angles on a sphere without the two tips.
+template <class T>
+T turn_between(const VesselTips& tips, const Place<T>& p) {
+    const Triad<T> n = p.whole(), dn = p.whole_derivative();
+    const T size = sqrt(squared_norm(n)), q = dot(tips.pole, n), dq = dot(tips.pole, dn), sum = size + q,
+            d_sum = dot(n, dn) / size + dq;
+    Triad<T> m, dm;
+    for (const std::size_t i : {0, 1, 2}) {
+        m[i] = n[i] - q * tips.pole[i] - sum * tips.other[i];
+        dm[i] = dn[i] - dq * tips.pole[i] - d_sum * tips.other[i];
+    }
+    return determinant(tips.pole, m, dm) / squared_norm(m);
+}
 
 /// v less K D w of a point of the bisector, in the frame.
 template <class T>
