@@ -4,6 +4,8 @@
 #include <limits>
 #include <variant>
 
+#include "../objects/exact_space.hpp"
+
 namespace vcell {
 
 namespace {
