@@ -119,6 +119,7 @@ bool MixedAnalysis::join_without_touching(Work& work) {
         MixedPiece::Vertex vertex;
         FormId f, g;
         bool decided;
+        std::array<Wide, 2> at;
     };
     struct Lens {
         std::array<MixedPiece::Vertex, 2> ends;
@@ -179,14 +180,16 @@ bool MixedAnalysis::join_without_touching(Work& work) {
             ++decisions_.by_multiprecision;
             if (!is_tie && is_above) return true;
             const std::array forms{f, g, h};
-            const auto exact = exact_touch(forms, is_tie, touching->at, work.piece.box);
+            const auto exact =
+                is_tie ? exact_touch(forms, forms, touching->at, work.piece.box) : std::nullopt;
             Touch t{{touching->place,
                      std::max(touching->width, std::ldexp(extent_, assumed_exponent / 2)),
                      f,
                      {f, g, h}},
                     f,
                     g,
-                    exact.has_value()};
+                    exact.has_value(),
+                    touching->at};
             if (exact) {
                 const auto& [x, y] = *exact;
                 t.vertex.point = {x.mid(), y.mid()};
@@ -206,13 +209,17 @@ bool MixedAnalysis::join_without_touching(Work& work) {
     if (work.rivals.size() == before) return false;
     work.directions.clear();
     work.is_divided = false;
-    if (!is_plain(work) || !join_changes(work)) return false;
+    if (!(is_plain(work) && join_changes(work)) && !join_at_tie(work)) return false;
     for (const Touch& t : touches) {
         const Vector2d& p = t.vertex.point;
         const double r = t.vertex.error;
         const Inside inside = work.where(p, r);
         if (inside == Inside::No) continue;
         if (inside == Inside::Unknown) return false;
+        if (const auto v = work.inner_vertex_near(p, r)) {
+            if (!touch_in_vertex(work, *v, t.vertex.ties, t.at)) return false;
+            continue;
+        }
         // Nor where another form is lower.
         const Interval x = Interval::ball(p.x(), r), y = Interval::ball(p.y(), r);
         bool is_hidden = false;
@@ -235,6 +242,29 @@ bool MixedAnalysis::join_without_touching(Work& work) {
             is_hidden = is_hidden || *sign == Sign::Negative;
         }
         if (!is_hidden && !work.insert_lens(l.h, l.f, l.g, l.ends, l.across)) return false;
+    }
+    return true;
+}
+
+// A form that touches the trisector of two others may do so where further forms tie with these: it is one of
+// the vertex, and has no face there.
+bool MixedAnalysis::touch_in_vertex(Work& work, std::uint32_t vertex, std::span<const FormId> touching,
+                                    const std::array<Wide, 2>& at) {
+    MixedPiece::Vertex& v = work.piece.vertices[vertex];
+    std::vector<FormId> ties = v.ties.empty() ? work.forms_around(vertex) : v.ties;
+    for (const FormId f : touching)
+        if (std::ranges::find(ties, f) == ties.end()) ties.push_back(f);
+    const Wide height = heights_.value(ties[0], at[0], at[1]);
+    for (const FormId f : ties)
+        if (!agree(heights_.value(f, at[0], at[1]), height, height)) return false;
+    decisions_.by_multiprecision += ties.size() - 1;
+    v.ties = std::move(ties);
+    if (const auto exact = exact_touch(touching, v.ties, at, work.piece.box)) {
+        const auto& [x, y] = *exact;
+        v.point = {x.mid(), y.mid()};
+        v.error = reach(x, y);
+    } else {
+        assume(v.point, std::ldexp(extent_, assumed_exponent / 2), v.ties);
     }
     return true;
 }

@@ -30,8 +30,9 @@
 /// the trisector has a node there and no piece around it is plain. If all competitors of a small piece tie in
 /// such a point, or more than three of them in any point, the diagram is a fan around it (tie_fan.hpp),
 /// decided once it is known that they tie: exactly where all trisectors split into planes, or in a point in
-/// doubles, and else to 2^-200, listed as assumed. A saddle whose value is not zero keeps two curves apart.
-/// Along the region's sides the same holds in one dimension.
+/// doubles, and else to 2^-200, listed as assumed. Where gradients in it are on one line faces end in cusps;
+/// there forms that tie but for a scene's rounding (`noise_exponent`) are taken to tie, and listed. A saddle
+/// whose value is not zero keeps two curves apart. Along the region's sides the same holds in one dimension.
 ///
 /// A form that comes down to the trisector of two others from above and ends there (touching.hpp) makes a
 /// vertex with them, and no face. If it reaches through, its face is the lens between the two zeros of its
@@ -279,6 +280,11 @@ private:
     static std::optional<Knot> forms_around_knot(const Work& work, std::uint32_t v);
     struct Apex;
     std::optional<Apex> find_apex(const Work& work);
+    static std::optional<std::array<FormId, 3>> triple_in_one_point(const Work& work);
+    std::optional<Apex> find_apex_in_line(const Work& work, Apex apex);
+    void find_between(const Work& work, Apex& apex, int exponent);
+    std::optional<double> ties_in_noise(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms,
+                                        FormId other);
     std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g,
                                                             const Eigen::Vector2d& start) const;
     bool is_tie_in_space(const Work& work, const Apex& apex,
@@ -305,8 +311,10 @@ private:
     std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     bool is_met(FormId f, const Interval& x, const Interval& y) const;
-    std::optional<IntervalPoint> exact_touch(std::span<const FormId> forms, bool is_tie,
+    std::optional<IntervalPoint> exact_touch(std::span<const FormId> touching, std::span<const FormId> ties,
                                              const std::array<Wide, 2>& at, const std::array<double, 4>& box);
+    bool touch_in_vertex(Work& work, std::uint32_t vertex, std::span<const FormId> touching,
+                         const std::array<Wide, 2>& at);
     std::optional<bool> shows_beside_floor(const Work& work, const MixedPiece::Vertex& v,
                                            const std::array<FormId, 3>& three);
     std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms,

@@ -14,21 +14,13 @@
 
 namespace vcell {
 
-struct MixedAnalysis::Apex {
-    Vector2d point;
-    double error;
-    std::optional<std::uint32_t> rim;  // the vertex of the rim that it is
-    std::vector<std::vector<TiedDifference>> differences;
-    bool decided;  // that all tie: by exact arithmetic, or when the rim was labelled
-};
-
 // Where gradients of competitors may agree it is a zero of their difference; else where three of them are
 // equal; in any case all of them must be equal there, and pairs whose gradients are not certainly different
 // must have equal ones.
 std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
     const std::vector<Spread>& r = work.rivals;
     const std::size_t n = r.size();
-    Apex apex{{}, 0, {}, {}, false};
+    Apex apex{{}, 0, {}, {}, {}, 0, false};
     apex.differences.resize(n, std::vector<TiedDifference>(n));
     std::vector<std::array<std::size_t, 2>> touching;
     for (std::size_t i = 0; i < n; ++i)
@@ -55,7 +47,9 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
             root_near(equal_gradients(heights_, f, g), apex.rim ? apex.point : work.middle(), work.around());
     } else {
         if (n < 4) return std::nullopt;  // then they tie in one point at most, and the piece will be plain
-        triple = {r[0].form, r[1].form, r[2].form};
+        const auto told = triple_in_one_point(work);
+        if (!told) return find_apex_in_line(work, std::move(apex));
+        triple = *told;
         root = root_near(
             model_of<Interval>([&](const IntervalBox<2>& p) { return equal_heights(heights_, triple, p); }),
             work.middle(), work.around());
@@ -75,9 +69,29 @@ std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex(const Work& work) {
 
     if (touching.empty()) {
         MixedPiece::Vertex v{apex.point, apex.error, triple[0], work.forms()};
-        for (std::size_t i = 3; i < n; ++i)
-            if (sign_at_vertex(v, triple, r[i].form) != Sign::Zero) return std::nullopt;
-        apex.decided = settle_tie(v, triple);
+        bool is_exact = true;
+        for (const Spread& s : r) {
+            if (std::ranges::find(triple, s.form) != triple.end() ||
+                sign_at_vertex(v, triple, s.form) == Sign::Zero)
+                continue;
+            is_exact = false;
+            const auto off = ties_in_noise(v, triple, s.form);
+            if (!off) return std::nullopt;
+            // Where it is equal to others moves by so much.
+            for (const Spread& o : r)
+                if (&o != &s)
+                    apex.noise = std::max(apex.noise, *off / Work::least(work.gradient(s, o)).norm());
+        }
+        apex.decided = is_exact && settle_tie(v, triple);
+        find_between(work, apex, is_exact ? assumed_exponent : noise_exponent);
+        if (!is_exact) {
+            // What the forms do about the apex is seen from as far away as this only.
+            constexpr double far = 256;
+            if (apex.between.empty() || !(far * apex.noise <= work.width) ||
+                work.where(apex.point, apex.error + apex.noise) != Inside::Yes)
+                return std::nullopt;
+            return apex;
+        }
         apex.point = v.point;
         apex.error = v.error;
         return apex;
@@ -236,7 +250,7 @@ bool MixedAnalysis::join_at_tie(Work& work) {
         corners = {{1, skew}, {-skew, 1}, {-1, -skew}, {skew, -1}, {1, skew}};
     }
     const std::vector<FormId> forms = work.forms();
-    const auto fan = find_fan(forms, apex->differences, corners);
+    const auto fan = find_fan(forms, apex->differences, apex->between, corners);
     if (!fan) return false;
     const auto changes = apex->rim ? work.changes_after(*apex->rim) : work.changes;
     const std::vector<FanArm>& arms = fan->arms;
@@ -245,7 +259,7 @@ bool MixedAnalysis::join_at_tie(Work& work) {
     const auto matches = [&](const Change& c, const FanArm& arm) {
         const MixedPiece::Vertex& v = work.piece.vertices[c.vertex];
         const Vector2d d = v.point - apex->point;
-        const double doubt = 2 * (v.error + apex->error);
+        const double doubt = 2 * (v.error + apex->error + apex->noise);
         const auto turn = [](const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
         return c.before == arm.right && c.after == arm.left && turn(arm.from, d) > doubt * arm.from.norm() &&
                turn(d, arm.to) > doubt * arm.to.norm();
@@ -270,7 +284,7 @@ bool MixedAnalysis::join_at_tie(Work& work) {
     if (apex->decided)
         ++decisions_.by_exact;
     else
-        assume(apex->point, std::ldexp(extent_, assumed_exponent / 2), forms);
+        assume(apex->point, std::max(apex->noise, std::ldexp(extent_, assumed_exponent / 2)), forms);
     return true;
 }
 
@@ -469,7 +483,7 @@ bool MixedAnalysis::join_at_pinch(Work& work) {
     const std::array forms{f, g, h};
     MixedPiece::Vertex node{
         pinch->place, std::max(pinch->width, std::ldexp(extent_, assumed_exponent / 2)), f, {f, g, h}};
-    const auto exact = exact_touch(forms, is_tie, pinch->at, work.piece.box);
+    const auto exact = is_tie ? exact_touch(forms, forms, pinch->at, work.piece.box) : std::nullopt;
     if (exact) {
         const auto& [x, y] = *exact;
         node.point = {x.mid(), y.mid()};

@@ -109,24 +109,25 @@ bool MixedAnalysis::is_met(FormId f, const Interval& x, const Interval& y) const
     return heights_.value(f, x, y).sign() == heights_.family().compared_over().sign_of_met();
 }
 
-// The place about which three forms tie as far as digits tell, if they do so exactly and touch there. On the
-// one trisector in the box and its surroundings the third one's height above it bends one way, so that there
-// is one such place at most.
-std::optional<IntervalPoint> MixedAnalysis::exact_touch(std::span<const FormId> forms, bool is_tie,
+// The place about which forms tie as far as digits tell, if they do so exactly and three of them touch there.
+// On the one trisector in the box and its surroundings the third one's height above it bends one way, so that
+// there is one such place at most.
+std::optional<IntervalPoint> MixedAnalysis::exact_touch(std::span<const FormId> touching,
+                                                        std::span<const FormId> ties,
                                                         const std::array<Wide, 2>& at,
                                                         const std::array<double, 4>& box) {
-    if (!is_tie) return std::nullopt;
-    if (const auto p = exact_tie(forms, at[0], at[1]);
-        p && have_gradients_in_line(heights_.family(), forms, *p))
+    const FormFamily& family = heights_.family();
+    if (const auto p = exact_tie(ties, at[0], at[1]); p && have_gradients_in_line(family, touching, *p))
         return enclosure(*p);
     const double near = 0.25 * std::min(box[1] - box[0], box[3] - box[2]);
-    decisions_.by_exact += forms.size() - 1;
-    for (const SpacePoint& p : SpaceTie(heights_.family(), forms).tangencies()) {
-        const auto place = chart_point(heights_.family(), p);
+    decisions_.by_exact += ties.size() - 1;
+    for (const SpacePoint& p : SpaceTie(family, touching).tangencies()) {
+        const auto place = chart_point(family, p);
         if (!place) continue;
         const auto& [x, y] = *place;
         const double off = std::max((x - at[0].enclosure()).magnitude(), (y - at[1].enclosure()).magnitude());
-        if (off < near && is_met(forms[0], x, y)) return place;
+        const auto is_tied = [&](FormId f) { return passes_through(family, f, p); };
+        if (off < near && is_met(touching[0], x, y) && std::ranges::all_of(ties, is_tied)) return place;
     }
     return std::nullopt;
 }
@@ -178,6 +179,83 @@ std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, s
     if (const auto s = difference.sign()) return s;
     if (difference.magnitude_exponent() < height.magnitude_exponent() + assumed_exponent) return Sign::Zero;
     return std::nullopt;
+}
+
+// Of the rivals three that are certainly equal in no more than one point of the piece.
+std::optional<std::array<FormId, 3>> MixedAnalysis::triple_in_one_point(const Work& work) {
+    const std::vector<Spread>& r = work.rivals;
+    for (std::size_t i = 0; i < r.size(); ++i)
+        for (std::size_t j = i + 1; j < r.size(); ++j)
+            for (std::size_t k = j + 1; k < r.size(); ++k)
+                if (const auto turn = work.turn(r[i], r[j], r[k]); turn && *turn != Sign::Zero)
+                    return std::array{r[i].form, r[j].form, r[k].form};
+    return std::nullopt;
+}
+
+// All gradients are on one line: the apex is where three of the forms touch.
+std::optional<MixedAnalysis::Apex> MixedAnalysis::find_apex_in_line(const Work& work, Apex apex) {
+    const std::vector<Spread>& r = work.rivals;
+    const auto touching = [&]() -> std::optional<Touching> {
+        for (const std::size_t m : {0u, 1u, 2u})
+            for (const auto find : {find_touching, find_pinch})
+                if (auto t =
+                        find(heights_, r[m].form, r[(m + 1) % 3].form, r[(m + 2) % 3].form, work.piece.box))
+                    return t;
+        return std::nullopt;
+    }();
+    if (!touching) return std::nullopt;
+    apex.point = touching->place;
+    apex.error = touching->width;
+    if (work.where(apex.point, apex.error) != Inside::Yes) return std::nullopt;
+    const auto& [x, y] = touching->at;
+    for (const Spread& s : r)
+        if (!agree(heights_.value(s.form, x, y), touching->height, touching->height)) return std::nullopt;
+    apex.decided = true;
+    find_between(work, apex, assumed_exponent);
+    return apex;
+}
+
+// The triples of the apex whose gradients are on one line there: where two of them are equal, the third one's
+// height above them is 0 at the apex, as its slope is, and bends one way. Or it is so up to noise, in some
+// place nearby, which is the apex's noise.
+void MixedAnalysis::find_between(const Work& work, Apex& apex, int exponent) {
+    const std::vector<Spread>& r = work.rivals;
+    const auto add = [&](std::size_t m, std::size_t i, std::size_t j) {
+        const FormId h = r[m].form, f = r[i].form, g = r[j].form;
+        for (const bool shows : {false, true}) {
+            const auto touching = (shows ? find_pinch : find_touching)(heights_, h, f, g, work.piece.box);
+            if (!touching ||
+                touching->gap.magnitude_exponent() >= touching->height.magnitude_exponent() + exponent)
+                continue;
+            const double apart = (touching->place - apex.point).norm();
+            if (exponent == assumed_exponent) {
+                if (apart > touching->width + 2 * apex.error) continue;
+                apex.decided = apex.decided &&
+                               exact_touch(std::array{f, g, h}, work.forms(), touching->at, work.piece.box);
+            } else {
+                apex.noise = std::max(apex.noise, Interval::up(apart + touching->width));
+            }
+            ++decisions_.by_multiprecision;
+            apex.between.push_back({m, {i, j}, shows});
+            return true;
+        }
+        return false;
+    };
+    for (std::size_t i = 0; i < r.size(); ++i)
+        for (std::size_t j = i + 1; j < r.size(); ++j)
+            for (std::size_t k = j + 1; k < r.size(); ++k)
+                if (!work.turn(r[i], r[j], r[k])) add(i, j, k) || add(j, i, k) || add(k, i, j);
+}
+
+// By how much another form is off at the common point of three, if that is no more than a scene's rounding.
+std::optional<double> MixedAnalysis::ties_in_noise(const MixedPiece::Vertex& v,
+                                                   const std::array<FormId, 3>& forms, FormId other) {
+    const auto at = sharp_vertex(v, forms);
+    if (!at) return std::nullopt;
+    const Wide height = heights_.value(forms[0], (*at)[0], (*at)[1]);
+    const Wide difference = heights_.value(other, (*at)[0], (*at)[1]) - height;
+    if (difference.magnitude_exponent() >= height.magnitude_exponent() + noise_exponent) return std::nullopt;
+    return difference.enclosure().magnitude();
 }
 
 }  // namespace vcell

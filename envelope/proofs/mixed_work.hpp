@@ -20,6 +20,8 @@ inline constexpr std::size_t most_divided = 4;
 
 // Below this exponent a third form lowest by less between two others counts as touching their trisector.
 inline constexpr int narrow_exponent = -40;
+// Below this one more than three forms, of which some touch, count as meeting in one point.
+inline constexpr int noise_exponent = -46;
 
 // A change of label, where a trisector leaves the rim: inward `before` lies on its left.
 struct MixedAnalysis::Change {
@@ -32,6 +34,17 @@ struct MixedAnalysis::Change {
 struct MixedAnalysis::Knot {
     std::uint32_t vertex;
     std::vector<FormId> ties, around;
+};
+
+// A point in which all rivals tie.
+struct MixedAnalysis::Apex {
+    Vector2d point;
+    double error;
+    std::optional<std::uint32_t> rim;  // the vertex of the rim that it is
+    std::vector<std::vector<TiedDifference>> differences;
+    std::vector<TiedBetween> between;
+    double noise;  // nearer than this they tie only up to noise
+    bool decided;  // that all tie: by exact arithmetic, or when the rim was labelled
 };
 
 struct MixedAnalysis::Work {
@@ -365,6 +378,23 @@ struct MixedAnalysis::Work {
             if (const auto d = direction(*a, *b)) across = *d;
         piece.arcs.push_back({from, to, left, right, across, {}});
         return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
+    }
+    // Of those inside, which are not on the rim, one that a disk does not leave out for certain.
+    std::optional<std::uint32_t> inner_vertex_near(const Vector2d& p, double radius) const {
+        for (std::size_t v = piece.rim.size(); v < piece.vertices.size(); ++v) {
+            const double apart = (piece.vertices[v].point - p).norm();
+            const double doubt =
+                radius + piece.vertices[v].error + 8 * std::numeric_limits<double>::epsilon() * p.norm();
+            if (!(apart > 2 * doubt)) return static_cast<std::uint32_t>(v);
+        }
+        return std::nullopt;
+    }
+    // The forms of the faces around an inner vertex.
+    std::vector<FormId> forms_around(std::uint32_t v) const {
+        std::vector<FormId> forms;
+        for (const std::uint32_t h : piece.leaving[v])
+            forms.push_back(h & 1u ? piece.arcs[h >> 1].left : piece.arcs[h >> 1].right);
+        return forms;
     }
     // Puts a vertex on the arc of two forms, if they have one arc.
     bool divide(FormId f, FormId g, const MixedPiece::Vertex& vertex) {

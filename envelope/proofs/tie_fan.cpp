@@ -19,8 +19,9 @@ constexpr double least_sector = 0x1p-53;
 
 class FanSearch {
 public:
-    FanSearch(std::span<const FormId> forms, const std::vector<std::vector<TiedDifference>>& differences)
-        : forms_(forms), differences_(differences) {}
+    FanSearch(std::span<const FormId> forms, const std::vector<std::vector<TiedDifference>>& differences,
+              std::span<const TiedBetween> between)
+        : forms_(forms), differences_(differences), between_(between) {}
 
     std::optional<Fan> run(std::span<const Vector2d> corners) {
         std::vector<std::size_t> all(forms_.size());
@@ -83,8 +84,43 @@ private:
                 return true;
             }
         }
+        if (lowest.size() > 2)
+            if (const auto is_entered = search_between(lo, hi, lowest)) return *is_entered;
         const double middle = lo + split_ratio * (hi - lo);
         return hi - lo > least_sector && search(lo, middle, lowest) && search(middle, hi, lowest);
+    }
+    // Along every line across the sector each two of the lowest change places once, so that those that are
+    // lowest one after the other follow each other in one order. One between two others is among them if it
+    // is lower wherever such two are equal.
+    std::optional<bool> search_between(double lo, double hi, std::vector<std::size_t> lowest) {
+        const Direction u = direction({lo, hi}), from = direction(lo), to = direction(hi);
+        for (const std::size_t i : lowest)
+            for (const std::size_t j : lowest) {
+                if (i == j) continue;
+                const auto before = sign(i, j, from), after = sign(i, j, to);
+                if (!before || !after || *before != -*after || !turns(i, j, u)) return std::nullopt;
+            }
+        std::ranges::sort(lowest,
+                          [&](std::size_t i, std::size_t j) { return sign(i, j, from) == Sign::Negative; });
+        std::vector<bool> is_seen(lowest.size(), true);
+        for (std::size_t i = 0; i < lowest.size(); ++i)
+            for (std::size_t j = i + 1; j < lowest.size(); ++j)
+                for (std::size_t k = j + 1; k < lowest.size(); ++k) {
+                    const auto known = std::ranges::find_if(between_, [&](const TiedBetween& t) {
+                        return t.middle == lowest[j] &&
+                               std::minmax(t.outer[0], t.outer[1]) == std::minmax(lowest[i], lowest[k]);
+                    });
+                    if (known == between_.end()) return std::nullopt;
+                    if (!known->shows) is_seen[j] = false;
+                }
+        if (!enter(lowest[0])) return false;
+        std::size_t last = lowest[0];
+        for (std::size_t j = 1; j < lowest.size(); ++j) {
+            if (!is_seen[j]) continue;
+            add_arm(lo, hi, last, lowest[j]);
+            last = lowest[j];
+        }
+        return true;
     }
     // In two adjacent sectors one form is lowest.
     bool enter(std::size_t i) {
@@ -99,12 +135,16 @@ private:
             if (!s) break;
             (*s == Sign::Negative ? lo : hi) = middle;
         }
+        add_arm(lo, hi, i, j);
+    }
+    void add_arm(double lo, double hi, std::size_t i, std::size_t j) {
         fan_.arms.push_back({origin_ + lo * along_, origin_ + hi * along_, forms_[i], forms_[j]});
         last_ = forms_[j];
     }
 
     std::span<const FormId> forms_;
     const std::vector<std::vector<TiedDifference>>& differences_;
+    std::span<const TiedBetween> between_;
     Vector2d origin_, along_;
     Fan fan_;
     FormId last_;
@@ -115,8 +155,8 @@ private:
 
 std::optional<Fan> find_fan(std::span<const FormId> forms,
                             const std::vector<std::vector<TiedDifference>>& differences,
-                            std::span<const Vector2d> corners) {
-    return FanSearch(forms, differences).run(corners);
+                            std::span<const TiedBetween> between, std::span<const Vector2d> corners) {
+    return FanSearch(forms, differences, between).run(corners);
 }
 
 }  // namespace vcell

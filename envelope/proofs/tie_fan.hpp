@@ -11,6 +11,12 @@
 /// once at every t: its zero set is one arm that starts at c and crosses the sector. When the directions can
 /// be divided into sectors in which one function is lowest and sectors crossed by one arm of two functions,
 /// all others being higher there, then the envelope is a fan: faces and arms that meet at c and nowhere else.
+///
+/// Functions whose gradients at c are on one line leave no such sectors about the direction in which they
+/// change alike. Of every three of them let the middle one be lower than the others, or higher, wherever
+/// these two are equal and not at c. In a sector that is crossed by one arm of every two, those have a face
+/// that are lower wherever two others are equal that are lowest before and after them: cusps, whose arms
+/// touch at c.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,8 +36,17 @@ struct TiedDifference {
     std::optional<HeightCurvature<Interval>> curvature;
 };
 
+/// Of three functions, by their places in the list, the middle one is lower (`shows`) or higher than the
+/// others all over the set where these are equal, but for the apex, where all are.
+struct TiedBetween {
+    std::size_t middle;
+    std::array<std::size_t, 2> outer;
+    bool shows;
+};
+
 /// Where the label changes around the apex: in a sector less than half a turn wide, from one direction
-/// counter-clockwise to another. At every t the line c + t from + s (to - from) crosses the arm once.
+/// counter-clockwise to another. At every t the line c + t from + s (to - from) crosses the arm once. The two
+/// arms of a cusp are in one sector.
 struct FanArm {
     Eigen::Vector2d from, to;
     FormId right, left;  ///< lowest on the clockwise and on the counter-clockwise side
@@ -47,6 +62,6 @@ struct Fan {
 /// enclosures do not tell.
 std::optional<Fan> find_fan(std::span<const FormId> forms,
                             const std::vector<std::vector<TiedDifference>>& differences,
-                            std::span<const Eigen::Vector2d> corners);
+                            std::span<const TiedBetween> between, std::span<const Eigen::Vector2d> corners);
 
 }  // namespace vcell

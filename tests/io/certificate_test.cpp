@@ -105,7 +105,9 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twin_lines_in_roundings",
                              "twins_at_the_pole",
                              "slab_of_roundings",
-                             "tilted_slab"}) {
+                             "tilted_slab",
+                             "cusp_beside_tube",
+                             "cusp_beside_tilted_tube"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
