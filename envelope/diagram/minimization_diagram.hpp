@@ -13,6 +13,7 @@
 #include "../../core/errors.hpp"
 #include "../../core/numbers/sign.hpp"
 #include "../../primitives/forms/form_family.hpp"
+#include "../../primitives/forms/ring_ties.hpp"
 
 namespace vcell {
 
@@ -113,6 +114,8 @@ struct MinimizationDiagram {
     Decisions decisions;
     EnvelopeWork work;
     std::vector<Assumption> assumptions;
+    /// Over a cylinder: forms that tie along edges y = const, and have no face there. No label has them.
+    std::vector<RingTie> ring_ties;
 
     /// The functions that attain the minimum at v (on e), ascending.
     std::span<const FormId> label(VertexId v) const {

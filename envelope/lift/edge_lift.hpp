@@ -13,6 +13,7 @@
 #include "edge_errors.hpp"
 #include "radial_curves.hpp"
 #include "radial_vertices.hpp"
+#include "ring_sites.hpp"
 #include "sphere_arcs.hpp"
 
 namespace vcell {
@@ -45,7 +46,7 @@ public:
         return {error, error};
     }
 
-    void finish(Cell&) const {}
+    void finish(Cell& cell) const { radial::add_ring_sites(of_, curves_, cell); }
     void measure(const IdVector<EdgeId, double>&, Cell&) const {}
 
 protected:

@@ -54,6 +54,7 @@ public:
     }
 
     void finish(Cell& cell) {
+        EdgeLift::finish(cell);
         if (of_.problem.generator_ties.empty()) return;
         for (const EdgeId e : of_.diagram.edges.ids())
             if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);

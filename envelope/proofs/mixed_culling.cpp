@@ -135,9 +135,20 @@ bool MixedAnalysis::have_twins(const SmallVector<Rival, usual_rivals>& rivals) c
     return false;
 }
 
+// Without the forms that are known to be nowhere lowest over a range of y, but where they tie with others.
+std::vector<FormId> MixedAnalysis::not_hidden(std::span<const FormId> candidates, const Interval& y) const {
+    std::vector<FormId> open;
+    if (heights_.family().hidden.empty()) return open;
+    for (const FormId f : candidates)
+        if (!heights_.family().is_hidden(f, y)) open.push_back(f);
+    return open;
+}
+
 std::vector<FormId> MixedAnalysis::cull(const std::array<double, 4>& box,
                                         std::span<const FormId> candidates) {
     normals_.reset();
+    const std::vector<FormId> open = not_hidden(candidates, {box[2], box[3]});
+    if (!heights_.family().hidden.empty()) candidates = open;
     if (compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]),
                             extent_at({box[0], box[1]}, {box[2], box[3]}))) {
         normals_.emplace(box[0], box[1], box[2], box[3]);

@@ -243,6 +243,7 @@ private:
     SmallVector<Rival, usual_rivals> lowest_supports(const NormalBox& box,
                                                      std::span<const FormId> candidates) const;
     bool have_twins(const SmallVector<Rival, usual_rivals>& rivals) const;
+    std::vector<FormId> not_hidden(std::span<const FormId> candidates, const Interval& y) const;
     std::optional<FormId> certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const;
     struct Rivals {
         SmallVector<FormId, usual_rivals> forms;

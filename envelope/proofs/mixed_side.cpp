@@ -83,6 +83,8 @@ std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p,
 template <class Exactly>
 MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
                                                Exactly&& exactly) {
+    const std::vector<FormId> open = not_hidden(candidates, p[1]);
+    if (!heights_.family().hidden.empty()) candidates = open;
     if (const auto f = certainly_lowest(p, candidates)) {
         ++decisions_.by_double;
         return {*f};
@@ -235,6 +237,8 @@ MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, d
     Rivals out{{}, 0};
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
     const double extent = extent_at(range[0], range[1]);
+    const std::vector<FormId> open = not_hidden(candidates, range[1]);
+    if (!heights_.family().hidden.empty()) candidates = open;
     std::vector<FormId> left;  // where supports do not tell twins apart
     if (compare_by_supports(s1 - s0, extent)) {
         const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());

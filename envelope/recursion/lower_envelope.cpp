@@ -369,6 +369,10 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
         f.slope = f.slope.scaled(exponent);
     }
     scaled.tips = axial_tips(scaled.radial, y0 / unit, y1 / unit);
+    // What is nowhere lowest may show beside a floor.
+    std::vector<RingTie> ties;
+    if (options.floor.empty()) ties = find_ring_ties(scaled.radial, y0 / unit, y1 / unit);
+    for (const RingTie& tie : ties) scaled.hidden.push_back({FormId{tie.form}, tie.from, tie.to});
     const double most = std::max(1.0, unit);
     const auto to_length = [&](Assumption& a) {
         a.place.y() *= unit;
@@ -401,6 +405,13 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
         p.box[3] *= unit;
     }
     for (Assumption& a : out.assumptions) to_length(a);
+    for (RingTie& tie : ties) {
+        tie.y = unit * tie.y;
+        if (tie.elsewhere) tie.elsewhere = unit * *tie.elsewhere;
+        tie.from *= unit;
+        tie.to *= unit;
+    }
+    out.ring_ties = std::move(ties);
     return out;
 }
 

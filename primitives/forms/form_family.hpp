@@ -7,9 +7,11 @@
 /// of cylinders, over a cylinder all).
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "../../core/curves/circular_form.hpp"
+#include "../../core/numbers/interval.hpp"
 #include "../charts/chart.hpp"
 #include "cylinder_form.hpp"
 #include "radial_form.hpp"
@@ -23,6 +25,18 @@ struct FormFamily : CircularFamily {
     Chart chart;                          ///< of the base
     double axial_unit = 1;                ///< of y over a cylinder; a power of two
     AxialTips tips;                       ///< over a cylinder, in that unit
+
+    /// Over a cylinder: where forms are nowhere lower than all others (RingTie), in that unit.
+    struct Hidden {
+        FormId form;
+        double from, to;
+    };
+    std::vector<Hidden> hidden;
+    /// Is the form known to be so all over a range of y?
+    bool is_hidden(FormId f, const Interval& y) const {
+        return std::ranges::any_of(
+            hidden, [&](const Hidden& h) { return h.form == f && h.from <= y.lower() && y.upper() <= h.to; });
+    }
 
     /// What the heights are compared over: where all forms are circular, a plane also in a sphere's chart.
     Chart compared_over() const { return radial.empty() ? Chart() : chart; }

@@ -106,6 +106,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twins_at_the_pole",
                              "slab_of_roundings",
                              "tilted_slab",
+                             "ring_of_three",
+                             "ring_at_end",
                              "cusp_beside_tube",
                              "cusp_beside_tilted_tube"}) {
         CAPTURE(name);
