@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../primitives/bases/axial_terms.hpp"
+#include "../object_distance.hpp"
 #include "trim_bounds.hpp"
 
 namespace vcell::radial {
@@ -95,8 +97,14 @@ std::vector<Vec3> FacePatches::poles(FaceId face) const {
     });
     for (int axis = 0; axis < 3; ++axis)
         for (const double side : {-1.0, 1.0}) all.push_back(side * Vec3::Unit(axis));
-    std::erase_if(all, [&](const Vec3& p) { return !is_owned_by_others(form, -p); });
-    return all;
+    // A shadow of a tube is narrow: one of a ball leaves more room around the pole.
+    std::vector<Vec3> clear;
+    for (const bool asks_tubes : {false, true}) {
+        if (!clear.empty()) break;
+        std::ranges::copy_if(all, std::back_inserter(clear),
+                             [&](const Vec3& p) { return is_owned_by_others(form, -p, asks_tubes); });
+    }
+    return clear;
 }
 
 // About the pole from which the face needs the lowest degree.
@@ -126,17 +134,24 @@ bool FacePatches::change_in_sphere(FaceId face) {
     return lowest < std::numeric_limits<int>::max();
 }
 
-// By a margin, so that doubles can tell. Tubes are not asked.
-bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction) const {
-    constexpr double margin = 1 + 0x1p-10;
+// By a margin, so that doubles can tell.
+bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction, bool asks_tubes) const {
+    constexpr double part = 0x1p-10, margin = 1 + part;
     const Vec3 n = problem_.chart.turn.transpose() * direction;
     // 1 / t, as in SphereSupports.
     const auto nearness = [&](const CircularForm& f) {
         return -0.5 / f.w * (f.a * n.x() + f.b * n.y() + (f.e - f.k) * n.z() + (f.e + f.k));
     };
     const double own = nearness(problem_.family.forms[form]);
-    return std::ranges::any_of(problem_.family.forms,
-                               [&](const CircularForm& f) { return nearness(f) > margin * own; });
+    if (std::ranges::any_of(problem_.family.forms,
+                            [&](const CircularForm& f) { return nearness(f) > margin * own; }))
+        return true;
+    if (!asks_tubes) return false;
+    const double t = 1 / own, most = t - problem_.chart.radius - part * t;
+    for (const FormId f : problem_.objects.ids())
+        if (!problem_.family.is_circular(f) && distance_from(problem_.objects[f], t * direction) < most)
+            return true;
+    return false;
 }
 
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {

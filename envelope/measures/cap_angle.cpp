@@ -7,8 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include "../../core/quadrature/bounded_sum.hpp"
-
 namespace vcell {
 
 namespace {
@@ -50,7 +48,7 @@ CapAngle::Value CapAngle::value() const {
             b = unit;
         }
     }
-    BoundedSum sum;
+    BoundedSum sum = segments_;
     // The square of the triangle's two terms is 2 (1 + b.from) (1 + from.to) (1 + to.b), at least twice the
     // square of the room, and each carries some ten roundings; all else is of the size of 1.
     const double rounding = 2 * (2 * 16 * u / room + 64 * u);

@@ -8,12 +8,14 @@
 ///     S = 2 atan(h tan(phi / 2)) - h phi                              (the sector less its triangle)
 ///
 /// phi being the arc's angle about n, add up to the face's area, but for multiples of 4 pi: no rule of
-/// quadrature is needed, and neither the number of the face's boundaries nor angles in its corners.
+/// quadrature is needed, and neither the number of the face's boundaries nor angles in its corners. Where
+/// other curves bound the face, with tubes, their segments are integrated elsewhere.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
+#include "../../core/quadrature/bounded_sum.hpp"
 #include "../../primitives/objects/objects.hpp"
 
 namespace vcell {
@@ -30,6 +32,13 @@ public:
         arcs_.push_back({from, to, n, h, sign});
     }
 
+    /// An arc of any curve between unit vectors less than half a turn apart, likewise. `segment`: the signed
+    /// area between the arc and its chord, known to `error`.
+    void add(const Vec3& from, const Vec3& to, double segment, double error, double sign) {
+        add(from, to, from.cross(to).normalized(), 0, sign);
+        segments_.add(sign * segment, error);
+    }
+
     /// In [0, 4 pi]; all of the sphere without arcs. Error: rounding, to first order, doubled, of vectors
     /// that are known to some roundings. Of a face that is told neither from nothing nor from all the
     /// enclosure has both.
@@ -42,6 +51,7 @@ private:
     };
 
     std::vector<Arc> arcs_;
+    BoundedSum segments_;
 };
 
 }  // namespace vcell

@@ -102,8 +102,9 @@ struct Share {
     double volume_rest = 0, area_rest = 0;
 };
 
-/// Spheres, planes, walls, hollow spheres and the cap over a sphere. Integrals along edges have nothing of
-/// the cap, nor of the bisector with a hollow sphere about the base's own centre, which is one as well.
+/// Spheres, planes, walls, hollow spheres and the cap over a sphere. Integrals along conics have nothing of
+/// the cap, nor of the bisector with a hollow sphere about the base's own centre, which is one as well; those
+/// along other curves have what is between the curve and the geodesics from the axis to its ends.
 struct RoundFace {
     enum class Shape { Flat, Paraboloid, Hyperboloid, Cap, Ellipsoid };
     Shape shape;

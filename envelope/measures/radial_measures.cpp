@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
@@ -21,6 +22,18 @@ using Eigen::Vector4d;
 
 using roundoff::u;
 constexpr std::uint32_t no_face = UINT32_MAX;
+
+// The face of the cap that it is, or none.
+const radial_integrals::RoundFace* as_cap(const RadialFace& face) {
+    const auto* round = std::get_if<radial_integrals::RoundFace>(&face);
+    return round != nullptr && round->is_cap() ? round : nullptr;
+}
+
+// How a face looks from a direction: one of the cap has of a curve what is between that and its chord.
+RadialFace seen_from(const Vec3& direction, RadialFace face) {
+    if (as_cap(face) != nullptr) std::get<radial_integrals::RoundFace>(face).axis = direction;
+    return face;
+}
 
 class RadialMeasurer {
 public:
@@ -256,14 +269,11 @@ private:
         if (face(e, 0) == no_face && face(e, 1) == no_face) return;
         const int degree = set_points(e);
         const std::uint32_t left = face(e, 0), right = face(e, 1);
-        const Chart chart = problem_.chart;
-        const RadialFace* right_face = right != no_face ? &faces_[right] : nullptr;
         RadialIntegrals sum;
         for (std::size_t i = 0; i + degree < points_.size(); i += degree) {
             const std::span<const Vector4d> span(points_.data() + i, degree + 1);
             if (!is_smooth(e)) {
-                add_span(span, edge.kind != CurveKind::Spline, chart, faces_[left != no_face ? left : right],
-                         left != no_face ? right_face : nullptr, sum);
+                add_span_beside(left, right, span, edge.kind != CurveKind::Spline, sum);
             } else if (degree == 1) {
                 add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
             } else {
@@ -298,18 +308,41 @@ private:
                                sum.distance[1]);
     }
 
-    // A span that a face of the cap, if it is one, has on its left, or right (sign = -1).
+    // A span of any curve between two faces, of which one may not be there.
+    void add_span_beside(std::uint32_t left, std::uint32_t right, std::span<const Vector4d> span,
+                         bool is_conic, RadialIntegrals& sum) {
+        const bool has_left = left != no_face, has_both = has_left && right != no_face;
+        const std::array beside{has_left ? left : right, has_both ? right : no_face};
+        const auto is_cap = [&](std::uint32_t f) { return f != no_face && as_cap(faces_[f]) != nullptr; };
+        if (!is_cap(left) && !is_cap(right))
+            return add_span(span, is_conic, problem_.chart, faces_[beside[0]],
+                            has_both ? &faces_[right] : nullptr, sum);
+        const Vec3 from = span.front().head<3>().normalized(), to = span.back().head<3>().normalized();
+        const RadialFace first = seen_from(from, faces_[beside[0]]),
+                         other = seen_from(from, faces_[has_both ? right : beside[0]]);
+        RadialIntegrals part;
+        add_span(span, is_conic, problem_.chart, first, has_both ? &other : nullptr, part);
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (!is_cap(beside[k])) continue;
+            const double radius = as_cap(faces_[beside[k]])->d1, square = radius * radius;
+            const Integral area = std::exchange(part.sides[k], {}).area;
+            caps_[beside[k]].add(from, to, area.value / square, area.error / square * (1 + 4 * u),
+                                 has_left && k == 0 ? 1 : -1);
+        }
+        sum += part;
+    }
+    // A conic that a face of the cap, if it is one, has on its left, or right (sign = -1).
     void bound_cap(std::uint32_t face, std::uint32_t other, std::span<const Vector4d> span, double sign) {
-        const auto* cap = std::get_if<radial_integrals::RoundFace>(&faces_[face]);
-        if (cap == nullptr || !cap->is_cap()) return;
+        const auto* cap = as_cap(faces_[face]);
+        if (cap == nullptr) return;
         const auto& circle = std::get<radial_integrals::RoundFace>(faces_[other]);
         caps_[face].add(span[0].head<3>().normalized(), span[2].head<3>().normalized(), circle.axis,
                         circle.cosine_at(cap->d1), sign);
     }
     void add_caps() {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-            const auto* cap = std::get_if<radial_integrals::RoundFace>(&faces_[f]);
-            if (cap == nullptr || !cap->is_cap()) continue;
+            const auto* cap = as_cap(faces_[f]);
+            if (cap == nullptr) continue;
             const CapAngle::Value omega = caps_[f].value();
             const double square = cap->d1 * cap->d1, third = cap->d1 / 3;
             // The radius is known to a rounding, and so are products.

@@ -243,13 +243,22 @@ static Share factor_bounds(const RoundFace& f, double least, double most) {
     return {scale / 12 * (most + f.d1), scale * sqrt(most * (most + std::abs(f.delta))) / (2 * f.root)};
 }
 
+// The solid angle between an arc and the geodesics from b to its ends, which b.(u x du) / (1 + b.u) adds up.
 Share RoundFace::share(const Ray& ray) const {
+    if (is_cap()) {
+        const double angle = dot(axis, cross(ray.u, ray.du)) / (1 + dot(axis, ray.u));
+        return {d1 * d1 * d1 / 3 * angle, d1 * d1 * angle};
+    }
     const double t = distance(ray), element = t * t * dot(axis, cross(ray.u, ray.du));
     const Factors<double> f = factors(t);
     return {f.volume * element, f.area * element};
 }
 
 Share RoundFace::size(const Ray& ray) const {
+    if (is_cap()) {
+        const double room = 1 + dot(axis, ray.u), angle = ray.rate / room * (1 + 1 / room);
+        return {d1 * d1 * d1 / 3 * angle, d1 * d1 * angle};
+    }
     const double t = distance(ray), condition = (1 + (std::abs(e0) + e1) * t / k) *
                                                 (shape == Shape::Ellipsoid ? d2 / std::abs(d2 - t) : 1);
     const double element = t * t * ray.rate * condition;

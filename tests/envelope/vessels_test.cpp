@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <random>
 #include <set>
@@ -59,6 +60,55 @@ TEST_CASE("vessels: about a ball in the middle of a sphere the cell is a sphere 
             for (const Vec2& uv : {Vec2(0, 0), Vec2(0.5, -0.25), Vec2(-0.7, 0.7)})
                 CHECK((patch.surface.evaluate(uv.x(), uv.y()) - Vec3(1, 2, 3)).norm() ==
                       doctest::Approx(t).epsilon(1e-14));
+    }
+}
+
+// The solid angle in which a point at distance t from the base's centre is nearer to a tube at distance h
+// from there than it is to the base: with y along the tube cos phi > k(y).
+double shadow_of_tube(double t, double base, double h, double tube) {
+    const double m = t - base + tube, s0 = (h - m) / t, y0 = std::sqrt(1 - s0 * s0);
+    double sum = 0;
+    constexpr int parts = 64;
+    for (int i = 0; i < parts; ++i) {
+        const double from = pi * (i / double(parts) - 0.5);
+        sum += boost::math::quadrature::gauss<double, 30>::integrate(
+            [&](double angle) {
+                const double y = y0 * std::sin(angle), across = h * std::sqrt(1 - y * y);
+                const double k = (t * t * (1 - y * y) + h * h - m * m) / (2 * t * across);
+                return 2 * std::acos(std::min(1.0, k)) * y0 * std::cos(angle);
+            },
+            from, from + pi / parts);
+    }
+    return sum;
+}
+
+TEST_CASE("vessels: tubes cut their shadows off the sphere about a ball in the middle of another one") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int round = 0; round < 3; ++round) {
+        CAPTURE(round);
+        const Vec3 centre(unit(rng), unit(rng), unit(rng));
+        const Eigen::Matrix3d turn =
+            Eigen::AngleAxisd(3 * unit(rng), Vec3(unit(rng), unit(rng), 1).normalized()).toRotationMatrix();
+        Scene scene = in_sphere({centre, 0.5}, {centre, 3.5});
+        const double h = 2.5 + 0.25 * unit(rng);
+        scene.objects.push_back(Cylinder{centre + h * turn.col(0), turn.col(1), 0.25});
+        double angle = 4 * pi - shadow_of_tube(2, 0.5, h, 0.25);
+        if (round == 1) {
+            scene.objects.push_back(Cylinder{centre - 2.25 * turn.col(0), turn.col(2), 0.125});
+            angle -= shadow_of_tube(2, 0.5, 2.25, 0.125);
+        } else if (round == 2) {
+            // A ball's shadow is a cap: |2 u - 3 e| < 1.75.
+            scene.objects.push_back(Sphere{centre - 3 * turn.col(0), 0.25});
+            angle -= 2 * pi * (1 - (4 + 9 - 1.75 * 1.75) / 12);
+        }
+        CellOptions options;
+        options.patches = false;
+        const Cell cell = voronoi_cell(scene, options);
+        const auto wall = std::ranges::find(cell.faces, Site::object(0), &CellFace::site);
+        REQUIRE(wall != cell.faces.end());
+        CHECK(std::abs(wall->area - 4 * angle) <= wall->area_error + 1e-10);
+        CHECK(wall->area_error < 1e-3);
     }
 }
 

@@ -217,6 +217,22 @@ const CellFace& face_of(const Cell& cell, Site site) {
     return *face;
 }
 
+TEST_CASE("vessel cells: of a ball in the middle of a sphere, among balls and tubes, they are certified") {
+    const Cylinder rod{{4, 6, 4}, Vec3::UnitY(), 0.25};
+    const HollowSphere vessel{{3, 4, 3}, 3};
+    Scene scene;
+    scene.base = Sphere{{3, 4, 3}, 0.5};
+    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+    for (const auto& objects :
+         {std::vector<Object>{Sphere{{2, 4, 1}, 0.5}, rod, vessel},
+          {Sphere{{2, 5, 2}, 0.5}, Sphere{{4, 2, 2}, 0.5}, Sphere{{4, 5, 1}, 0.5}, Sphere{{5, 5, 3}, 0.5},
+           Sphere{{2, 4, 1}, 0.5}, Cylinder{{3, 5, 5}, Vec3::UnitY(), 0.25}, rod, vessel}}) {
+        scene.objects = objects;
+        const Certificate c = certify(voronoi_cell(scene));
+        CHECK_MESSAGE(c.holds(), listing(c));
+    }
+}
+
 TEST_CASE("vessel cells: integrals of a face around the axis have closed forms, of one with a tip none") {
     const Cell cell = voronoi_cell(on_axis());
     const check::Frame frame(cell.scene);
