@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "../../primitives/forms/axial_ties.hpp"
+#include "../../primitives/objects/exact_space.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "../measures/measures.hpp"
 #include "edge_errors.hpp"
@@ -86,6 +87,9 @@ private:
         sort_unique(edge.extra_sites);
         if (is_decided) return;
         ++decisions_.assumed;
+        const double off = of_.problem.unit * off_assumed_tie(left, right, from);
+        for (const VertexId v : {of_.diagram.start(e), of_.diagram.end(e)})
+            cell.vertices[v.value].error += off;
         std::string sites = to_string(edge.sites[0]) + ", " + to_string(edge.sites[1]);
         for (const Site site : edge.extra_sites) sites += ", " + to_string(site);
         const Vector4d middle = 0.5 * (from + to);
@@ -93,6 +97,23 @@ private:
             "objects " + sites + ": taken to meet in one line through " +
             to_text(of_.problem.unit * of_.problem.frame.to_world(middle.head<3>())) +
             ", not told apart within " + to_text(of_.problem.unit * narrow_tie * middle.w()));
+    }
+
+    // The site's nearness q is a mean of both forms' up to narrow_tie, so that its slope in the angle differs
+    // from that of one of them by half of theirs at least: the two tie beside the point, along their
+    // bisector, a part of 2 narrow_tie q / |q1' - q2'| of a turn away. Without roots q'/q is b.w' / (b0 +
+    // b.w).
+    double off_assumed_tie(FormId first, FormId second, const Vector4d& point) const {
+        const double away = std::hypot(point.x(), point.z()), sine = point.x() / away,
+                     cosine = point.z() / away;
+        const auto slope = [&](FormId form) {
+            const RadialForm& f = of_.problem.family.radial_form(form);
+            const double b0 = nearest(f.b0), x = nearest(f.b[0]), z = nearest(f.b[2]);
+            return (x * cosine - z * sine) / (b0 + x * sine + z * cosine);
+        };
+        const double one = slope(first), other = slope(second);
+        const double apart = std::abs(one - other), steepest = std::max(std::abs(one), std::abs(other));
+        return 2 * narrow_tie * away * std::hypot(1, steepest) / apart;
     }
 
     FaceLoops loops_;

@@ -106,6 +106,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twins_at_the_pole",
                              "slab_of_roundings",
                              "tilted_slab",
+                             "twin_lines_at_a_side",
                              "ring_of_three",
                              "ring_at_end",
                              "cusp_beside_tube",
