@@ -57,8 +57,8 @@ struct EdgeBand {
 
 /// In the frame's unit. `bands`: by edge. `enough`:
 /// volume, area and length that need not be known better, of the whole cell. Faces that need integrals in two
-/// variables (of tubes, and on cylinders) are proved where `proofs`, by face, say how exactly, which takes a
-/// hundred times as long as to estimate them. Pre: the structure holds.
+/// variables (of tubes, and on cylinders) are proved where `proofs`, by face, say how exactly, which takes
+/// many times as long as to estimate them. Pre: the structure holds.
 Integrals integrate_faces(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
                           const std::vector<EdgeBand>& bands, const std::array<double, 3>& enough, int effort,
                           std::span<const std::optional<Precision>> proofs);
