@@ -92,14 +92,9 @@ private:
         }
     }
 
-    /// Estimates do not refute: where one contradicts what is stated, proofs are asked for. They need not be
-    /// much more exact than the contradiction, unless it goes away.
+    /// Estimates do not refute: where one contradicts what is stated, proofs are asked for. For the whole
+    /// cell's measures they need not be more exact than the contradiction.
     bool asks_for_proofs(std::vector<std::optional<Precision>>& proofs, const Precision& exact) const {
-        constexpr double coarsest = 0x1p-24;
-        const Precision coarse{coarsest * power(size_, 3), coarsest * power(size_, 2)};
-        const auto enough = [](double off, double least, double most) {
-            return off > 0 ? std::clamp(off / 8, least, most) : most;
-        };
         bool asks = false;
         const auto ask = [&](std::size_t f, const Precision& precision) {
             if (integrals_.faces[f].is_proved) return;
@@ -108,14 +103,8 @@ private:
         };
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) {
             const CellFace& face = cell_.faces[f];
-            const double off =
-                beyond(face.area, face.area_error, integrals_.faces[f].area, integrals_.slack[f].area, 2);
-            if (off > 0) {
-                ask(f, {coarse.volume, enough(off, exact.area, coarse.area)});
-            } else if (proofs[f] && proofs[f]->volume == coarse.volume) {
-                proofs[f] = exact;
-                asks = true;
-            }
+            if (beyond(face.area, face.area_error, integrals_.faces[f].area, integrals_.slack[f].area, 2) > 0)
+                ask(f, exact);
         }
         const auto owned = owned_areas();
         for (std::size_t i = 1; i < cell_.neighbors.size(); ++i) {
@@ -131,8 +120,13 @@ private:
                      area = std::max(beyond(m.area, m.area_error, t.area, t.object_slack, 2),
                                      beyond(m.box_area, m.box_area_error, t.box_area, t.box_slack, 2));
         if (!(volume > 0 || area > 0)) return false;
+        const auto enough = [&](double off, double least, int dimension) {
+            constexpr double coarsest = 0x1p-24;
+            const double most = coarsest * power(size_, dimension);
+            return off > 0 ? std::clamp(off, least, most) : most;
+        };
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
-            ask(f, {enough(volume, exact.volume, coarse.volume), enough(area, exact.area, coarse.area)});
+            ask(f, {enough(volume, exact.volume, 3), enough(area, exact.area, 2)});
         return asks;
     }
 
