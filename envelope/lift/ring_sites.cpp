@@ -12,14 +12,13 @@ namespace vcell::radial {
 
 namespace {
 
+bool meet(const Interval& a, const Interval& b) { return a.lower() <= b.upper() && b.lower() <= a.upper(); }
+
 // Is what lies on one of the two rings, known to be at y up to an error, on the first?
 std::optional<bool> is_on_ring(const RingTie& tie, double y, double error) {
     const Interval place = Interval::ball(y, error);
-    const auto meets = [&](const Interval& ring) {
-        return place.lower() <= ring.upper() && ring.lower() <= place.upper();
-    };
-    if (!meets(tie.y)) return false;
-    if (tie.elsewhere && meets(*tie.elsewhere)) return std::nullopt;
+    if (!meet(place, tie.y)) return false;
+    if (tie.elsewhere && meet(place, *tie.elsewhere)) return std::nullopt;
     return true;
 }
 
@@ -38,7 +37,7 @@ public:
     }
 
 private:
-    // Of the edges of `before` and `after`.
+    // The site ties along edges that `before` and `after` have on the ring.
     void add_along_ring(const RingTie& tie) {
         const FormId before{tie.before}, after{tie.after};
         for (const EdgeId e : diagram_.edges.ids()) {
@@ -57,7 +56,7 @@ private:
             add_to(diagram_.end(e), tie);
         }
     }
-    // Of the vertices of the nearest ones that are on the ring, by exact signs: where they tie with others.
+    // Where the nearest ones tie with others on the ring the site ties, too, which exact signs tell.
     void add_in_vertices(const RingTie& tie) {
         const FormId form{tie.form};
         for (const VertexId v : diagram_.vertices.ids()) {
@@ -69,22 +68,19 @@ private:
             const MinimizationDiagram::Vertex& vertex = diagram_.vertices[v];
             const Interval x = Interval::ball(vertex.point.x(), vertex.error),
                            y = Interval::ball(vertex.point.y(), vertex.error);
-            if (y.upper() < tie.y.lower() || y.lower() > tie.y.upper()) continue;
+            if (!meet(y, tie.y)) continue;
             const SpaceTie meeting(of_.problem.family, label);
-            // Of all points that may be this vertex.
+            // The site is to pass through all points that may be this vertex.
             bool is_there = false, is_elsewhere = false;
             for (const SpacePoint& p : meeting.points()) {
                 const auto at = chart_point(of_.problem.family, p);
-                if (!at || !are_near((*at)[0], x) || !are_near((*at)[1], y)) continue;
+                if (!at || !meet((*at)[0], x) || !meet((*at)[1], y)) continue;
                 (passes_through(of_.problem.family, form, p) ? is_there : is_elsewhere) = true;
             }
             if (meeting.implies(form) || (is_there && !is_elsewhere)) add_to(v, tie);
         }
     }
-    static bool are_near(const Interval& a, const Interval& b) {
-        return a.lower() <= b.upper() && b.lower() <= a.upper();
-    }
-    // Of the rim's edges of the nearest one, on a side of the region, and its vertices there.
+    // At an end of the region the site ties along the nearest one's rim, and in its vertices there.
     void add_along_rim(const RingTie& tie, std::uint32_t side) {
         const FormId lowest{tie.before};
         for (const EdgeId e : diagram_.edges.ids()) {

@@ -181,7 +181,7 @@ std::optional<Sign> MixedAnalysis::sign_at_vertex(const MixedPiece::Vertex& v, s
     return std::nullopt;
 }
 
-// Of the rivals three that are certainly equal in no more than one point of the piece.
+// Chooses three rivals that are certainly equal in no more than one point of the piece.
 std::optional<std::array<FormId, 3>> MixedAnalysis::triple_in_one_point(const Work& work) {
     const std::vector<Spread>& r = work.rivals;
     for (std::size_t i = 0; i < r.size(); ++i)

@@ -379,7 +379,7 @@ struct MixedAnalysis::Work {
         piece.arcs.push_back({from, to, left, right, across, {}});
         return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
     }
-    // Of those inside, which are not on the rim, one that a disk does not leave out for certain.
+    // A vertex inside, not on the rim, which the disk may hold as far as errors tell.
     std::optional<std::uint32_t> inner_vertex_near(const Vector2d& p, double radius) const {
         for (std::size_t v = piece.rim.size(); v < piece.vertices.size(); ++v) {
             const double apart = (piece.vertices[v].point - p).norm();

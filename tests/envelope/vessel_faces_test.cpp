@@ -26,7 +26,7 @@ using vessel_oracle::pi;
 
 // ---- Closed forms ---------------------------------------------------------------------------------------
 
-// Of all of a patch's rectangle.
+// Looks at all of a patch's rectangle.
 double area_of(const RationalPatch& s) {
     constexpr int parts = 400;
     double sum = 0;
@@ -160,6 +160,16 @@ int check_patches_by_rays(const Cell& cell, Site wall, std::mt19937_64& rng, int
     return shown;
 }
 
+// The cell of the first ball among the others, in a vessel.
+Scene scene_of(const std::vector<Sphere>& balls, const Object& wall) {
+    Scene scene;
+    scene.base = balls[0];
+    scene.objects.assign(balls.begin() + 1, balls.end());
+    scene.objects.push_back(wall);
+    scene.box = {Vec3::Zero(), Vec3::Constant(8)};
+    return scene;
+}
+
 // A few balls that do not overlap in a tube or cone about the middle of the box, with numbers of a sort.
 struct FewBalls {
     std::mt19937_64& rng;
@@ -189,12 +199,7 @@ struct FewBalls {
                 balls.push_back(ball);
         }
         if (balls.size() < 3) return std::nullopt;
-        Scene scene;
-        scene.base = balls[0];
-        scene.objects.assign(balls.begin() + 1, balls.end());
-        scene.objects.push_back(wall);
-        scene.box = {Vec3::Zero(), Vec3::Constant(8)};
-        return scene;
+        return scene_of(balls, wall);
     }
 };
 
@@ -232,18 +237,11 @@ TEST_CASE("vessel faces: around the axis of a tube or a cone one patch holds eac
 // From any direction that such a face leaves to others it reaches far around: weights of control points are
 // positive in a high degree.
 TEST_CASE("vessel faces: of a sphere that few balls share one patch reaches far around") {
-    const auto scene_of = [](const std::vector<Sphere>& balls, const HollowSphere& wall) {
-        Scene scene;
-        scene.base = balls[0];
-        scene.objects.assign(balls.begin() + 1, balls.end());
-        scene.objects.push_back(wall);
-        scene.box = {Vec3::Zero(), Vec3::Constant(8)};
-        return scene;
-    };
     for (const Scene& scene :
-         {scene_of({{{5, 2, 5}, 1}, {{6, 6, 3}, 0.25}, {{2, 3, 1}, 0.5}, {{6, 1, 5}, 0.25}}, {{3, 3, 5}, 6}),
+         {scene_of({{{5, 2, 5}, 1}, {{6, 6, 3}, 0.25}, {{2, 3, 1}, 0.5}, {{6, 1, 5}, 0.25}},
+                   HollowSphere{{3, 3, 5}, 6}),
           scene_of({{{4, 4, 3}, 1}, {{4, 5, 7}, 0.25}, {{2, 3, 5}, 0.5}, {{1, 4, 2}, 0.25}},
-                   {{4, 5, 4}, 4})}) {
+                   HollowSphere{{4, 5, 4}, 4})}) {
         const Cell cell = voronoi_cell(scene);
         vessel_oracle::check_volume(scene, cell);
         vessel_oracle::check_vertices(cell);
