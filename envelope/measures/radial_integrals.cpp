@@ -173,6 +173,22 @@ void extend_by_gaps(RadialGap& most, const PowerSpan& span, Chart chart, const R
     }
 }
 
+// Parts of the size. A spline is off its arc by more than the integrals of its spans could be.
+double estimated_part(bool is_conic) { return is_conic ? 1e-17 : 1e-12; }
+
+// The geodesics from a direction to all points of a curve sweep from.(u x du) / (1 + from.u).
+struct SweptAngle {
+    Chart chart;
+    Vec3 from;
+
+    std::array<double, 1> operator()(const SpanPoint<double>& p, std::array<double, 1>* sizes) const {
+        const Ray ray = ray_to(p, chart);
+        const double room = 1 + dot(from, ray.u);
+        if (sizes != nullptr) *sizes = {ray.rate / room * (1 + 1 / room)};
+        return {dot(from, cross(ray.u, ray.du)) / room};
+    }
+};
+
 struct SpanIntegrand {
     Chart chart;
     const RadialFace& left;
@@ -208,13 +224,18 @@ private:
 
 }  // namespace
 
+Integral angle_above_chord(std::span<const Vector4d> points, bool is_conic, Chart chart) {
+    std::array<Integral, 1> angle{};
+    integrate_estimated(PowerSpan(points), SweptAngle{chart, points.front().head<3>().normalized()},
+                        estimated_part(is_conic), angle);
+    return angle[0];
+}
+
 void add_span(std::span<const Vector4d> points, bool is_conic, Chart chart, const RadialFace& left,
               const RadialFace* right, RadialIntegrals& sum) {
     const PowerSpan span(points);
     std::array<Integral, 6> parts{};
-    // Parts of the size. A spline is off its arc by more than the integrals of its spans could be.
-    constexpr double of_conic = 1e-17, of_spline = 1e-12;
-    integrate_estimated(span, SpanIntegrand{chart, left, right}, is_conic ? of_conic : of_spline, parts);
+    integrate_estimated(span, SpanIntegrand{chart, left, right}, estimated_part(is_conic), parts);
     sum.sides[0].volume += parts[0];
     sum.sides[0].area += parts[1];
     sum.sides[1].volume += parts[2];

@@ -21,9 +21,18 @@
 ///
 /// *Hollow spheres over a sphere.* The bisector is an ellipsoid: with delta the sum of R and R0, the same
 /// with b towards the wall's nearest point, t (delta + c z) = 2 d1 d2, d2 - t in the place of t + d2, and
-/// M(t) the mean of sqrt(x (delta - x)).
+/// M(t) the mean of sqrt(x (delta - x)). These integrals are singular at the far pole, t = d2, which all of
+/// the ellipsoid has; what dV and dS are more than their means times d omega has others that are not. With
+/// omega the face's solid angle (solid_angle.hpp), V0 = d1 d2 delta / 6 and S0 all of the area by 4 pi,
 ///
-/// *The cap over a sphere* has the volume t^3 / 3 and the area t^2 times a solid angle (cap_angle.hpp).
+///     V = V0 omega - closed integral of  c (t + delta) / (12 t)  b.(p x dp),
+///     S = S0 omega + closed integral of  (m1 - m2) / (2 t^2)  b.(p x dp),
+///
+/// m1 and m2 the means of dS / d omega over the z that are greater, and less. They are taken of faces whose
+/// edges come near the far pole: of others what they begin with is larger than the face.
+///
+/// *The cap over a sphere*, and a hollow sphere about its centre, are these with c = 0: V0 and S0 are t^3 / 3
+/// and t^2.
 ///
 /// *Cylinders over a sphere.* In cylindrical coordinates (alpha, v, r) about the object's axis, c the foot of
 /// the base's centre, v counted from there along the unit vector d, K = |c|^2 - delta^2:
@@ -102,11 +111,12 @@ struct Share {
     double volume_rest = 0, area_rest = 0;
 };
 
-/// Spheres, planes, walls, hollow spheres and the cap over a sphere. Integrals along conics have nothing of
-/// the cap, nor of the bisector with a hollow sphere about the base's own centre, which is one as well; those
-/// along other curves have what is between the curve and the geodesics from the axis to its ends.
+/// Spheres, planes, walls, hollow spheres and the cap over a sphere.
 struct RoundFace {
-    enum class Shape { Flat, Paraboloid, Hyperboloid, Cap, Ellipsoid };
+    /// Integrals of an ellipsoid are those from its near pole: of a face that has the far one they are less
+    /// than the face's by the whole. Those of a closed one, an ellipsoid as well or a sphere about the base's
+    /// centre, are what is left when its means times the solid angle are taken off.
+    enum class Shape { Flat, Paraboloid, Hyperboloid, Ellipsoid, Closed };
     Shape shape;
     Vec3 axis;                ///< b
     double d1, d2, c, delta;  ///< of a paraboloid d1 only; of an ellipsoid delta = d1 + d2
@@ -116,12 +126,13 @@ struct RoundFace {
 
     RoundFace(const RadialBaseProblem& problem, FormId form);
     double least_distance() const { return d1; }
-    bool is_cap() const { return shape == Shape::Cap; }
-    /// An ellipsoid is closed: integrals are those of a face that has not the pole at d2, the one that is
-    /// farthest from the centre, and less by these of one that has.
-    Share whole() const;
-    /// b.u where the bisector is met at distance t. Pre: no cap.
-    double cosine_at(double t) const { return (k / t - e0) / e1; }
+    bool is_closed() const { return shape == Shape::Closed; }
+    bool is_ellipsoid() const { return shape == Shape::Ellipsoid; }
+    /// Takes an ellipsoid for a closed one where that has the better bounds. `distance`: the range of t on
+    /// the face's edges, more or less; most < least without any.
+    void choose_integrals(const std::array<double, 2>& distance);
+    /// The volume and area of a whole closed one or ellipsoid, divided by 4 pi, to rounding.
+    Share mean() const;
     /// What b.(p x dp) is multiplied by at distance t: a number, or an array of them.
     template <class T>
     struct Factors {
@@ -135,6 +146,10 @@ struct RoundFace {
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
+
+private:
+    /// A closed one that is at the distance t everywhere.
+    void set_concentric(double t);
 };
 
 /// Points of a face's boundary: one of them, and how far apart they are.
@@ -267,6 +282,10 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
 /// The bisector's least distance from the base's centre or axis, where that is a minimum inside the base's
 /// stretch; infinite if there is none.
 double least_distance(const RadialFace& face);
+
+/// The signed solid angle between a curve (control points (p, w)) and its chord, which turns less than half a
+/// turn about the base's centre. Error: as that of add_span().
+Integral angle_above_chord(std::span<const Eigen::Vector4d> points, bool is_conic, Chart chart);
 
 /// How far the rays' points on the bisectors are from the curve (`from_curve`) and from each other
 /// (`apart`), the largest at some points of the spans. No right side: apart is from the curve, too.

@@ -11,8 +11,8 @@
 
 #include "../../core/quadrature/bounded_sum.hpp"
 #include "../object_distance.hpp"
-#include "cap_angle.hpp"
 #include "radial_integrals.hpp"
+#include "solid_angle.hpp"
 
 namespace vcell {
 
@@ -21,18 +21,13 @@ namespace {
 using Eigen::Vector4d;
 
 using roundoff::u;
+using std::numbers::pi;
 constexpr std::uint32_t no_face = UINT32_MAX;
 
-// The face of the cap that it is, or none.
-const radial_integrals::RoundFace* as_cap(const RadialFace& face) {
+// The face of a closed bisector that it is, or none.
+const radial_integrals::RoundFace* as_closed(const RadialFace& face) {
     const auto* round = std::get_if<radial_integrals::RoundFace>(&face);
-    return round != nullptr && round->is_cap() ? round : nullptr;
-}
-
-// How a face looks from a direction: one of the cap has of a curve what is between that and its chord.
-RadialFace seen_from(const Vec3& direction, RadialFace face) {
-    if (as_cap(face) != nullptr) std::get<radial_integrals::RoundFace>(face).axis = direction;
-    return face;
+    return round != nullptr && round->is_closed() ? round : nullptr;
 }
 
 class RadialMeasurer {
@@ -47,10 +42,11 @@ public:
 
     void run() {
         add_faces();
+        choose_integrals();
         for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
-        add_caps();
-        Measures& m = cell_.measures;
+        add_solid_angles();
         add_poles();
+        Measures& m = cell_.measures;
         for (std::size_t i = 0; i < areas_.size(); ++i) {
             // A face thinner than the spacing of doubles may come out below zero by its rounding.
             const double area = std::max(0.0, areas_[i].value());
@@ -61,7 +57,7 @@ public:
                 (site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
             m.is_estimated = m.is_estimated || cell_.faces[i].is_estimated;
         }
-        const double radius = problem_.chart.radius, pi = std::numbers::pi;
+        const double radius = problem_.chart.radius;
         if (problem_.chart.is_sphere()) {
             m.base_area = 4 * pi * radius * radius;
             m.body_volume = m.base_area * radius / 3;
@@ -149,7 +145,7 @@ private:
                 problem_, form, are_asked ? reaches[f.value].around() : radial_integrals::Around()));
             // The least of all forms' least distances is that of one which is nearest there. Elsewhere
             // the smallest distance is on an edge.
-            if (is_vessel(problem_.objects[form]) && problem_.family.forms.empty()) add_farthest(form);
+            if (is_vessel(problem_.objects[form])) add_farthest(form);
             const double least = least_distance(faces_.back()),
                          error = 8 * u * (least + problem_.chart.radius + reach(problem_.objects[form]));
             if (problem_.floor.empty() || !std::isfinite(least)) {
@@ -167,6 +163,31 @@ private:
         }
     }
 
+    // Faces of ellipsoids get the integrals that suit their edges.
+    void choose_integrals() {
+        std::map<std::uint32_t, std::array<double, 2>> distances;
+        for (std::uint32_t f = 0; f < faces_.size(); ++f)
+            if (const auto* round = std::get_if<radial_integrals::RoundFace>(&faces_[f]);
+                round != nullptr && round->is_ellipsoid())
+                distances[f] = {std::numeric_limits<double>::infinity(), 0};
+        if (distances.empty()) return;
+        for (const EdgeId e : diagram_.edges.ids()) {
+            const int degree = set_points(e);
+            for (const unsigned side : {0u, 1u}) {
+                const auto distance = distances.find(face(e, side));
+                if (distance == distances.end()) continue;
+                auto& [least, most] = distance->second;
+                for (std::size_t i = 0; i < points_.size(); i += degree) {
+                    const double t = points_[i].head<3>().norm();
+                    least = std::min(least, t);
+                    most = std::max(most, t);
+                }
+            }
+        }
+        for (const auto& [f, distance] : distances)
+            std::get<radial_integrals::RoundFace>(faces_[f]).choose_integrals(distance);
+    }
+
     // Where the bisector with a ball, or a tube that is not along the base's axis, is nearest to that, at the
     // distance `least`: towards the ball's centre, or the tube's axis.
     static Vec3 nearest_place(const Object& object, double least) {
@@ -182,13 +203,14 @@ private:
         return {q.x() / away * least, q.y(), q.z() / away * least};
     }
 
-    // Around a cylinder the bisector with a vessel is farthest from the base's axis where the rays from that
-    // and from the wall meet head on: nothing later on has the place unless an edge runs through it.
+    // The bisector with a vessel is farthest from the base's centre or axis where the rays from that and from
+    // the wall meet head on: nothing later on has the place unless an edge runs through it.
     void add_farthest(FormId form) {
         for (const Vec3& p : places_head_on(problem_.objects[form])) {
-            const double t = std::hypot(p.x(), p.z()),
+            const double t = from_base(p).norm(),
                          error = 16 * u * (t + p.norm() + reach(problem_.objects[form])),
-                         room = p.y() < problem_.stretch[0] || p.y() > problem_.stretch[1]
+                         height = problem_.chart.along(p.y()),
+                         room = height < problem_.stretch[0] || height > problem_.stretch[1]
                                     ? -infinity
                                     : room_at(form, p, t - problem_.chart.radius);
             if (room > 4 * error)
@@ -197,15 +219,19 @@ private:
                 greatest_[1] = std::max(greatest_[1], t + error);
         }
     }
-    // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too.
+    // From the base's centre or axis.
+    Vec3 from_base(const Vec3& p) const { return {p.x(), problem_.chart.across(p.y()), p.z()}; }
+    // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too;
+    // around a ball those of tubes and cones are on the vessel's axis.
     std::vector<Vec3> places_head_on(const Object& vessel) const {
         const double R0 = problem_.chart.radius;
         if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
-            const Vec3 c = ball->center, across(c.x(), 0, c.z());
-            const double off = across.norm(), t = 0.5 * (ball->radius + R0 + off);
-            const Vec3 u = off > 0 ? Vec3(across / off) : Vec3::UnitX().eval();
-            return {Vec3(0, c.y(), 0) + t * u};
+            const Vec3 c = ball->center, away = from_base(c);
+            const double off = away.norm(), t = 0.5 * (ball->radius + R0 + off);
+            const Vec3 u = off > 0 ? Vec3(away / off) : Vec3::UnitX().eval();
+            return {c - away + t * u};
         }
+        if (problem_.chart.is_sphere()) return {};
         const auto* cone = std::get_if<HollowCone>(&vessel);
         const auto* tube = std::get_if<HollowCylinder>(&vessel);
         const Vec3 w = (cone != nullptr ? cone->axis : tube->axis).stableNormalized(),
@@ -280,9 +306,8 @@ private:
                 std::array<Vector4d, 3> p;
                 for (int k : {0, 1, 2}) p[k] << span[k].w() * span[k].head<3>(), span[k].w();
                 add_conic(p, faces_[left], faces_[right], sum);
-                for (const auto& [face, other, sign] :
-                     {std::tuple(left, right, 1.0), std::tuple(right, left, -1.0)})
-                    bound_cap(face, other, span, sign);
+                add_arcs(left, p, 1);
+                add_arcs(right, p, -1);
             }
         }
         edge.length = sum.length.value;
@@ -311,64 +336,54 @@ private:
     // A span of any curve between two faces, of which one may not be there.
     void add_span_beside(std::uint32_t left, std::uint32_t right, std::span<const Vector4d> span,
                          bool is_conic, RadialIntegrals& sum) {
-        const bool has_left = left != no_face, has_both = has_left && right != no_face;
-        const std::array beside{has_left ? left : right, has_both ? right : no_face};
-        const auto is_cap = [&](std::uint32_t f) { return f != no_face && as_cap(faces_[f]) != nullptr; };
-        if (!is_cap(left) && !is_cap(right))
-            return add_span(span, is_conic, problem_.chart, faces_[beside[0]],
-                            has_both ? &faces_[right] : nullptr, sum);
-        const Vec3 from = span.front().head<3>().normalized(), to = span.back().head<3>().normalized();
-        const RadialFace first = seen_from(from, faces_[beside[0]]),
-                         other = seen_from(from, faces_[has_both ? right : beside[0]]);
-        RadialIntegrals part;
-        add_span(span, is_conic, problem_.chart, first, has_both ? &other : nullptr, part);
-        for (std::size_t k = 0; k < 2; ++k) {
-            if (!is_cap(beside[k])) continue;
-            const double radius = as_cap(faces_[beside[k]])->d1, square = radius * radius;
-            const Integral area = std::exchange(part.sides[k], {}).area;
-            caps_[beside[k]].add(from, to, area.value / square, area.error / square * (1 + 4 * u),
-                                 has_left && k == 0 ? 1 : -1);
+        const bool has_both = left != no_face && right != no_face;
+        add_span(span, is_conic, problem_.chart, faces_[left != no_face ? left : right],
+                 has_both ? &faces_[right] : nullptr, sum);
+        for (const auto& [face, sign] : {std::pair(left, 1.0), std::pair(right, -1.0)}) {
+            if (face == no_face || as_closed(faces_[face]) == nullptr) continue;
+            const Integral above = angle_above_chord(span, is_conic, problem_.chart);
+            angles_[face].add(span.front().head<3>().normalized(), span.back().head<3>().normalized(),
+                              above.value, above.error, sign);
         }
-        sum += part;
     }
-    // A conic that a face of the cap, if it is one, has on its left, or right (sign = -1).
-    void bound_cap(std::uint32_t face, std::uint32_t other, std::span<const Vector4d> span, double sign) {
-        const auto* cap = as_cap(faces_[face]);
-        if (cap == nullptr) return;
-        const auto& circle = std::get<radial_integrals::RoundFace>(faces_[other]);
-        caps_[face].add(span[0].head<3>().normalized(), span[2].head<3>().normalized(), circle.axis,
-                        circle.cosine_at(cap->d1), sign);
+    // A conic beside a face, on its left or right (sign = -1): seen from the base's centre a circle, of which
+    // the span is less than all.
+    void add_arcs(std::uint32_t face, const std::array<Vector4d, 3>& p, double sign) {
+        if (as_closed(faces_[face]) == nullptr) return;
+        const Vec3 from = p[0].head<3>().normalized(), to = p[2].head<3>().normalized(),
+                   middle = (p[0] + 2 * p[1] + p[2]).head<3>().normalized(),
+                   normal = (middle - from).cross(to - middle).normalized();
+        const double height = normal.dot(middle);
+        angles_[face].add(from, middle, normal, height, sign);
+        angles_[face].add(middle, to, normal, height, sign);
     }
-    void add_caps() {
+    void add_solid_angles() {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-            const auto* cap = as_cap(faces_[f]);
-            if (cap == nullptr) continue;
-            const CapAngle::Value omega = caps_[f].value();
-            const double square = cap->d1 * cap->d1, third = cap->d1 / 3;
-            // The radius is known to a rounding, and so are products.
-            const double error = omega.error + 8 * u * omega.angle;
-            areas_[f].add(square * omega.angle, square * error);
-            volume_.add(third * square * omega.angle, third * square * error);
+            const auto* closed = as_closed(faces_[f]);
+            if (closed == nullptr) continue;
+            const SolidAngle::Value omega = angles_[f].value();
+            const radial_integrals::Share mean = closed->mean();
+            // Means are known to some ten roundings.
+            const double error = omega.error + 32 * u * omega.angle;
+            areas_[f].add(mean.area * omega.angle, mean.area * error);
+            volume_.add(mean.volume * omega.angle, mean.volume * error);
         }
     }
 
-    // The bisector with a hollow sphere is closed. Along the edges of a face that has the farthest point of
-    // it the area comes out less than nothing by what is not the face's; where rounding leaves it open which
-    // it is, both are enclosed.
+    // Along the edges of a face that has an ellipsoid's far pole the area comes out less than nothing by what
+    // is not the face's; where rounding leaves it open which it is, both are enclosed.
     void add_poles() {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
             const auto* round = std::get_if<radial_integrals::RoundFace>(&faces_[f]);
-            if (round == nullptr || round->shape != radial_integrals::RoundFace::Shape::Ellipsoid) continue;
+            if (round == nullptr || !round->is_ellipsoid()) continue;
             const double area = areas_[f].value(), error = areas_[f].bound();
-            const bool has_edges = error > 0;
-            if (has_edges && area > error) continue;
-            const radial_integrals::Share whole = round->whole();
+            if (area > error) continue;
+            const radial_integrals::Share mean = round->mean();
             // Some ten roundings each.
-            const bool is_told = !has_edges || area < -error;
-            const double share = is_told ? 1 : 0.5, unsure = is_told ? 32 * u : 0.5;
-            areas_[f].add(share * whole.area, unsure * whole.area);
-            volume_.add(share * whole.volume, unsure * whole.volume);
-            if (is_told) add_distance(round->d2, round->d2, 8 * u * round->d2);
+            const bool is_told = area < -error;
+            const double angle = is_told ? 4 * pi : 2 * pi, unsure = is_told ? 128 * u * pi : 2 * pi;
+            areas_[f].add(angle * mean.area, unsure * mean.area);
+            volume_.add(angle * mean.volume, unsure * mean.volume);
         }
     }
 
@@ -421,7 +436,7 @@ private:
     std::vector<RadialFace> faces_;          // of the cell
     std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
     std::vector<BoundedSum> areas_;
-    std::map<std::uint32_t, CapAngle> caps_;  // of the faces that are of the cap
+    std::map<std::uint32_t, SolidAngle> angles_;  // of the faces of closed bisectors
     BoundedSum volume_, area_, box_area_;
     std::vector<Vector4d> points_;  // of one edge, canonical
     std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};

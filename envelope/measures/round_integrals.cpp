@@ -22,6 +22,8 @@ using span_integrals::term_rounding;
 using namespace radial_integrals;
 using std::sqrt;
 
+constexpr double square(double x) { return x * x; }
+
 }  // namespace
 
 namespace radial_integrals {
@@ -38,12 +40,8 @@ namespace radial_integrals {
 //     integral from d1 to t of 2 sqrt(d1 d2) / c sqrt(x (x + delta)) dx = 2 sqrt(d1 d2) / c (t - d1) M(t).
 RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
-    if (vcell::is_cap(problem, form)) {
-        shape = Shape::Cap;
-        axis = Vec3::UnitZ();
-        k = d1 = d2 = root = std::get<Sphere>(object).radius;
-        e0 = 1;
-        c = delta = e1 = 0;
+    if (is_cap(problem, form)) {
+        set_concentric(std::get<Sphere>(object).radius);
         return;
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
@@ -56,9 +54,12 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
         k = 0.5 * power;
         e0 = delta;
         e1 = c;
-        shape = c == 0 ? Shape::Cap : Shape::Ellipsoid;
-        axis = c == 0 ? Vec3(Vec3::UnitZ()) : Vec3(-vessel->center / c);
-        if (is_cap()) k = d2 = root = d1, delta = 0, e0 = 1;
+        if (c == 0) {
+            set_concentric(0.5 * delta);
+            return;
+        }
+        shape = Shape::Ellipsoid;
+        axis = -vessel->center / c;
         return;
     }
     if (const auto* sphere = std::get_if<Sphere>(&object)) {
@@ -99,6 +100,15 @@ RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     c = 2 * d1;
 }
 
+void RoundFace::set_concentric(double t) {
+    shape = Shape::Closed;
+    axis = Vec3::UnitZ();
+    d1 = d2 = root = t;
+    delta = e0 = 2 * t;
+    k = 2 * t * t;
+    c = e1 = 0;
+}
+
 double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axis, ray.u)); }
 
 // The form f(t) b.(p x dp) has the derivative f' dt ^ b.(p x dp) + f b.(dp x dp), of size t |f'| + 2 f at
@@ -106,14 +116,15 @@ double RoundFace::distance(const Ray& ray) const { return k / (e0 + e1 * dot(axi
 // its values at the ends of a stretch.
 double RoundFace::volume_slope(double near, double far) const {
     switch (shape) {
-        case Shape::Flat:
-        case Shape::Cap: return d1 / 3;
+        case Shape::Flat: return d1 / 3;
         case Shape::Paraboloid: return (3 * far + 2 * d1) / 12;
         case Shape::Ellipsoid: {
             // The derivative of (t + d1) / (d2 - t) is delta / (d2 - t)^2.
             const double room = d2 - far;
             return room > 0 ? c / 12 * (2 * (far + d1) + delta * far / room) / room : infinity;
         }
+        case Shape::Closed:  // c (t + delta) / (12 t), and the solid angle
+            return c / 12 * (2 + 3 * delta / near) + mean().volume / (near * near);
         case Shape::Hyperboloid: break;
     }
     const double most = std::max((near + d1) / (near + d2), (far + d1) / (far + d2));
@@ -124,6 +135,12 @@ static double largest(double x) { return x; }
 template <class Derived>
 double largest(const Eigen::ArrayBase<Derived>& x) {
     return x.maxCoeff();
+}
+
+static double not_below(double x, double least) { return std::max(x, least); }
+template <class Derived>
+static Derived not_below(const Eigen::ArrayBase<Derived>& x, double least) {
+    return x.max(least);
 }
 
 // atanh(y) / y - 1, by its series up to y^2 = 1 / 16, relative truncation 2^-43 and less; from there on by
@@ -189,11 +206,36 @@ static T ellipsoid_mean(const RoundFace& f, const T& t) {
     return 0.5 * (P * cosine + 0.5 * f.delta * f.delta * more / P);
 }
 
-// The share of all of a spheroid, whose semi-axes are delta / 2 and sqrt(d1 d2), to rounding.
-Share RoundFace::whole() const {
-    const double long_axis = 0.5 * delta, flatness = c / delta, pi = std::numbers::pi;
-    return {4 * pi / 3 * long_axis * root * root,
-            2 * pi * root * (root + long_axis * (1 + asin_excess(flatness * flatness)))};
+// A spheroid's semi-axes are delta / 2 and sqrt(d1 d2).
+Share RoundFace::mean() const {
+    const double long_axis = 0.5 * delta, flatness = c / delta;
+    return {d1 * d2 * delta / 6, 0.5 * root * (root + long_axis * (1 + asin_excess(flatness * flatness)))};
+}
+
+// (m1 - m2) / 2. The area up to the near pole, over d phi, is 2 root / c (t - d1) M(t) = (1 - z) m1, that up
+// to the far one the same with d2 - t and M(delta - t), and t - d1 = c (1 - z) t / (2 d2), d2 - t = c (1 + z)
+// t / (2 d1). As S0 is half of (1 - z) m1 + (1 + z) m2, it is either of
+//
+//     (root t M(t) / d2 - S0) / (1 + z),      (S0 - root t M(delta - t) / d1) / (1 - z),
+//
+// of which the first is taken up to the middle, where d2 - t is c / 2 at least, the other one from there on.
+template <class T>
+static T near_excess(const RoundFace& f, const T& t) {
+    return (f.root / f.d2 * t * ellipsoid_mean(f, t) - f.mean().area) *
+           (f.c / (2 * f.d1) * t / not_below(T(f.d2 - t), 0.25 * f.c));
+}
+template <class T>
+static T far_excess(const RoundFace& f, const T& t) {
+    return (f.mean().area - f.root / f.d1 * t * ellipsoid_mean(f, T(f.delta - t))) *
+           (f.c / (2 * f.d2) * t / not_below(T(t - f.d1), 0.25 * f.c));
+}
+static double area_excess(const RoundFace& f, double t) {
+    return t <= 0.5 * f.delta ? near_excess(f, t) : far_excess(f, t);
+}
+template <class Derived>
+static Derived area_excess(const RoundFace& f, const Eigen::ArrayBase<Derived>& t) {
+    return (t <= 0.5 * f.delta)
+        .select(near_excess<Derived>(f, t.derived()), far_excess<Derived>(f, t.derived()));
 }
 
 // With r = sqrt(x (x + delta)) the antiderivative is (2 x + delta) r / 4 - delta^2 / 4 log(sqrt(x) + sqrt(x +
@@ -208,7 +250,6 @@ template <class T>
 RoundFace::Factors<T> RoundFace::factors(const T& t) const {
     switch (shape) {
         case Shape::Flat: return {T(0 * t + d1 / 6), T(0 * t + 0.5)};
-        case Shape::Cap: return {T(0 * t), T(0 * t)};
         case Shape::Paraboloid: {
             const T x = sqrt(t * (1 / d1));  // the mean of sqrt(x / d1) / 2
             return {T((t + d1) * (1.0 / 12)), T((x * x + x + 1) / (3 * (x + 1)))};
@@ -217,6 +258,9 @@ RoundFace::Factors<T> RoundFace::factors(const T& t) const {
             const T over = 1 / (d2 - t);
             return {T(c / 12 * (t + d1) * over), T(c / (2 * root) * ellipsoid_mean(*this, t) * over)};
         }
+        case Shape::Closed:
+            if (c == 0) return {T(0 * t), T(0 * t)};
+            return {T(-c / 12 * (1 + delta / t)), T(area_excess(*this, t) / (t * t))};
         case Shape::Hyperboloid: break;
     }
     const T r = sqrt(t * (t + delta)), reciprocal = 1 / (root + r), y = (t - d1) * reciprocal;
@@ -229,13 +273,21 @@ RoundFace::Factors<T> RoundFace::factors(const T& t) const {
 static Share factor_bounds(const RoundFace& f, double least, double most) {
     using Shape = RoundFace::Shape;
     if (f.shape == Shape::Flat) return {f.d1 / 6, 0.5};
-    if (f.is_cap()) return {0, 0};
+    if (f.is_closed() && f.c == 0) return {0, 0};
     most = std::max(most, f.d1);
-    if (f.shape == Shape::Ellipsoid) {
+    if (f.is_ellipsoid()) {
         if (!(least > 0 && most < f.d2)) return {infinity, infinity};
         // What rounding leaves of d2 - t counts.
         const double over = (1 + f.d2 / (f.d2 - most)) / (f.d2 - most);
         return {f.c / 12 * (most + f.d1) * over, f.c * 0.5 * f.delta / (2 * f.root) * over};
+    }
+    if (f.is_closed()) {
+        if (!(least > 0 && most < f.delta)) return {infinity, infinity};
+        // Means of dS / d omega = t^2 sqrt(t (delta - t)) / root are over places where 1 / t is between that
+        // of the disk and that of a pole: its real part is 1 / T at least, so |t| <= T and |delta - t| <=
+        // delta.
+        const double T = std::max(most, f.d2);
+        return {f.c / 12 * (1 + f.delta / least), square(T / least) * sqrt(T * f.delta) / f.root};
     }
     if (!(least > std::max(0.0, -f.delta))) return {infinity, infinity};
     if (f.shape == Shape::Paraboloid) return {(most + f.d1) / 12, 0.5 * sqrt(most / f.d1)};
@@ -243,26 +295,26 @@ static Share factor_bounds(const RoundFace& f, double least, double most) {
     return {scale / 12 * (most + f.d1), scale * sqrt(most * (most + std::abs(f.delta))) / (2 * f.root)};
 }
 
-// The solid angle between an arc and the geodesics from b to its ends, which b.(u x du) / (1 + b.u) adds up.
+void RoundFace::choose_integrals(const std::array<double, 2>& distance) {
+    if (!is_ellipsoid()) return;
+    RoundFace closed = *this;
+    closed.shape = Shape::Closed;
+    const auto bound = [&](const RoundFace& f) { return factor_bounds(f, distance[0], distance[1]).area; };
+    if (distance[1] < distance[0] || bound(closed) < bound(*this)) shape = Shape::Closed;
+}
+
 Share RoundFace::share(const Ray& ray) const {
-    if (is_cap()) {
-        const double angle = dot(axis, cross(ray.u, ray.du)) / (1 + dot(axis, ray.u));
-        return {d1 * d1 * d1 / 3 * angle, d1 * d1 * angle};
-    }
     const double t = distance(ray), element = t * t * dot(axis, cross(ray.u, ray.du));
     const Factors<double> f = factors(t);
     return {f.volume * element, f.area * element};
 }
 
 Share RoundFace::size(const Ray& ray) const {
-    if (is_cap()) {
-        const double room = 1 + dot(axis, ray.u), angle = ray.rate / room * (1 + 1 / room);
-        return {d1 * d1 * d1 / 3 * angle, d1 * d1 * angle};
-    }
-    const double t = distance(ray), condition = (1 + (std::abs(e0) + e1) * t / k) *
-                                                (shape == Shape::Ellipsoid ? d2 / std::abs(d2 - t) : 1);
+    const double t = distance(ray), condition = (1 + (std::abs(e0) + std::abs(e1)) * t / k) *
+                                                (is_ellipsoid() ? d2 / std::abs(d2 - t) : 1);
     const double element = t * t * ray.rate * condition;
-    const Factors<double> f = factors(t);
+    // A closed one's area factor may be next to nothing, a difference of what its bound is of the size of.
+    const Share f = is_closed() ? factor_bounds(*this, t, t) : Share{factors(t).volume, factors(t).area};
     return {f.volume * element, f.area * element};
 }
 
@@ -280,8 +332,6 @@ constexpr double aim = 0x1p-40;
 // Nothing that the integrands divide by or take the root of changes by more than this part over a disk.
 constexpr double tame_part = 0.75;
 constexpr double widest_disk = 16, least_disk = 1.375;  // radii; the span is [-1, 1]
-
-constexpr double square(double x) { return x * x; }
 
 // A quadratic, and a bound of how far it is from its value at 0 for |s| <= r.
 struct Quadratic {
@@ -320,7 +370,7 @@ private:
         const Quadratic turned{0, t_.c1 - middle_t * w_.c1, t_.c2 - middle_t * w_.c2};
         const double r =
             disk(turned, std::min({middle_t - std::max({0.0, -left.delta, -right.delta}),
-                                   room_before_pole(left, middle_t), room_before_pole(right, middle_t)}));
+                                   room_before_end(left, middle_t), room_before_end(right, middle_t)}));
         // NaN where there is no disk.
         if (!(r > 1) && halvings > 0 && budget > 0) return add_halves(left, right, sum, halvings, budget);
         const double rho = r + sqrt(r * r - 1), shrink = 1 / square(rho);
@@ -354,8 +404,8 @@ private:
         add_values(points, left, right, sum);
     }
 
-    static double room_before_pole(const RoundFace& face, double t) {
-        return face.shape == RoundFace::Shape::Ellipsoid ? face.d2 - t : infinity;
+    static double room_before_end(const RoundFace& face, double t) {
+        return face.is_closed() ? face.delta - t : face.is_ellipsoid() ? face.d2 - t : infinity;
     }
 
     void add_halves(const RoundFace& left, const RoundFace& right, RadialIntegrals& sum, int halvings,

@@ -53,7 +53,7 @@ struct Places {
     static constexpr std::size_t most_packs = (2 * most_degree + Lanes::lanes - 1) / Lanes::lanes;
 
     Places(int degree, bool are_many) {
-        const std::size_t last = static_cast<std::size_t>(are_many ? 2 * degree - 1 : degree);
+        const std::size_t last = static_cast<std::size_t>(are_many ? 2 * std::max(degree, 1) - 1 : degree);
         packs = last / Lanes::lanes + 1;
         for (std::size_t k = 0; k < packs; ++k) {
             at[k] = Lanes::of([&](std::size_t lane) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "../../core/errors.hpp"
-#include "../../envelope/measures/cap_angle.hpp"
+#include "../../envelope/measures/solid_angle.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../envelope/voronoi_diagram.hpp"
 #include "../test_support.hpp"
@@ -129,7 +129,7 @@ std::vector<Sphere> random_balls(std::mt19937_64& rng, std::size_t n, double lea
 TEST_CASE("cap angle: circles about any axis, seen from both sides, and faces between them") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
-    const auto add_circle = [](CapAngle& face, const Vec3& n, double h, double sign, int parts) {
+    const auto add_circle = [](SolidAngle& face, const Vec3& n, double h, double sign, int parts) {
         const Vec3 x = n.unitOrthogonal(), y = n.cross(x);
         const auto at = [&](int k) {
             const double angle = 2 * pi * k / parts;
@@ -142,7 +142,7 @@ TEST_CASE("cap angle: circles about any axis, seen from both sides, and faces be
         const double h = unit(rng);
         for (const int parts : {3, 4, 17}) {
             CAPTURE(h);
-            CapAngle inside, outside, ring;
+            SolidAngle inside, outside, ring;
             add_circle(inside, n, h, 1, parts);
             add_circle(outside, n, h, -1, parts);
             check_value(inside.value().angle, inside.value().error, 2 * pi * (1 - h));
@@ -153,7 +153,7 @@ TEST_CASE("cap angle: circles about any axis, seen from both sides, and faces be
             check_value(ring.value().angle, ring.value().error, 2 * pi * (h - low));
         }
     }
-    CHECK(CapAngle().value().angle == doctest::Approx(4 * pi));
+    CHECK(SolidAngle().value().angle == doctest::Approx(4 * pi));
 }
 
 TEST_CASE("probe: a ball alone is a ball that is larger by the probe") {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <random>
@@ -142,6 +143,54 @@ TEST_CASE("vessels: sides of the box cut the spheroid as closed forms say") {
     CHECK(std::abs(cell.measures.area - 2 * pi * t * (t + h)) <= cell.measures.area_error + 1e-13);
     CHECK(cell.measures.box_area == doctest::Approx(pi * (t * t - h * h)).epsilon(1e-13));
     CHECK(cell.measures.max_clearance == doctest::Approx(1).epsilon(1e-14));
+}
+
+// The part of a spheroid on the side x <= h: its foci, the sum of the distances from both.
+std::array<double, 2> part_of_spheroid(const Vec3& from, const Vec3& to, double sum, double h) {
+    const double off = (to - from).norm(), a = 0.5 * sum, b = 0.5 * std::sqrt(sum * sum - off * off);
+    const Vec3 e = (to - from) / off, middle = 0.5 * (from + to);
+    // It is the unit ball stretched by A, and planes across x are planes across `pole` there.
+    const Eigen::Matrix3d along = e * e.transpose(), across = Eigen::Matrix3d::Identity() - along;
+    const Vec3 stretched = a * along.col(0) + b * across.col(0), pole = stretched.normalized();
+    const double q = std::clamp((h - middle.x()) / stretched.norm(), -1.0, 1.0);
+    const Vec3 u = pole.unitOrthogonal(), v = pole.cross(u);
+    const Eigen::Matrix3d cofactors = b * b * along + a * b * across;
+    const auto ring = [&](double z) {  // the trapezoidal rule of a periodic function
+        constexpr int places = 128;
+        double total = 0;
+        for (int i = 0; i < places; ++i) {
+            const double angle = 2 * pi * i / places, r = std::sqrt(1 - z * z);
+            total += (cofactors * (z * pole + r * std::cos(angle) * u + r * std::sin(angle) * v)).norm();
+        }
+        return 2 * pi / places * total;
+    };
+    return {pi * a * b * b * (2 + 3 * q - q * q * q) / 3,
+            boost::math::quadrature::gauss<double, 60>::integrate(ring, -1.0, q)};
+}
+
+TEST_CASE("vessels: edges through the far pole of a sphere's wall, and beside it, leave all digits") {
+    const Vec3 center(0.1, 0.2, -0.3), direction = Vec3(3, 4, -12) / 13;
+    const double R = 3, r = 0.125;
+    for (const double off : {2.5, 1.0, 1e-3, 1e-10, 3e-16}) {
+        const Vec3 base = center - off * direction;
+        const double pole = base.x() + 0.5 * (R + r + off) * direction.x();
+        for (const double beside : {0.0, 1e-12, -1e-9, 1e-6, -1e-3, 0.1, -0.25}) {
+            CAPTURE(off);
+            CAPTURE(beside);
+            Scene scene = in_sphere({base, r}, {center, R});
+            scene.box.max.x() = pole + beside;
+            CellOptions options;
+            options.patches = false;
+            const Measures m = voronoi_cell(scene, options).measures;
+            const auto [volume, area] = part_of_spheroid(base, center, R + r, pole + beside);
+            CHECK(std::abs(m.volume - volume) <= m.volume_error + 1e-12);
+            CHECK(std::abs(m.area - area) <= m.area_error + 1e-11);
+            CHECK(m.volume_error < 1e-9);
+            CHECK(m.area_error < 1e-9);
+            CHECK(m.max_clearance <= 0.5 * (R + off - r) + 1e-14);
+            if (beside >= 0) CHECK(m.max_clearance >= 0.5 * (R + off - r) - 1e-11);
+        }
+    }
 }
 
 TEST_CASE("vessels: random balls in a sphere, against distances alone") {

@@ -1,8 +1,8 @@
-/// The solid angle of a face of the cap, from the circles that bound it.
+/// The solid angle of a face of a closed bisector, the cap or that with a hollow sphere, from what bounds it.
 ///
-/// The cap is a sphere about the base's centre, a face of it seen from there a part of the unit sphere
-/// between arcs of circles {n.u = h}. With any direction b the signed areas of the geodesic triangles (b,
-/// from, to) and of the segments between arcs and chords,
+/// Seen from the base's centre the face is a part of the unit sphere, between arcs of circles {n.u = h}. With
+/// any direction b the signed areas of the geodesic triangles (b, from, to) and of the segments between arcs
+/// and chords,
 ///
 ///     tan(E / 2) = b.(from x to) / (1 + b.from + from.to + to.b)      [Van Oosterom & Strackee 1983]
 ///     S = 2 atan(h tan(phi / 2)) - h phi                              (the sector less its triangle)
@@ -20,7 +20,7 @@
 
 namespace vcell {
 
-class CapAngle {
+class SolidAngle {
 public:
     struct Value {
         double angle, error;

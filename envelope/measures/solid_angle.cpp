@@ -1,4 +1,4 @@
-#include "cap_angle.hpp"
+#include "solid_angle.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -32,7 +32,7 @@ double share(const Vec3& b, const Vec3& from, const Vec3& to, const Vec3& n, dou
 
 }  // namespace
 
-CapAngle::Value CapAngle::value() const {
+SolidAngle::Value SolidAngle::value() const {
     if (arcs_.empty()) return {4 * pi, 8 * u * pi};
     // A triangle is told the worse, the nearer its corners come to -b.
     Vec3 b = Vec3::UnitX();
