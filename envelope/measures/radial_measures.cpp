@@ -231,7 +231,7 @@ private:
             const Vec3 u = off > 0 ? Vec3(away / off) : Vec3::UnitX().eval();
             return {c - away + t * u};
         }
-        if (problem_.chart.is_sphere()) return {};
+        if (!problem_.family.forms.empty()) return {};
         const auto* cone = std::get_if<HollowCone>(&vessel);
         const auto* tube = std::get_if<HollowCylinder>(&vessel);
         const Vec3 w = (cone != nullptr ? cone->axis : tube->axis).stableNormalized(),
