@@ -14,7 +14,7 @@ namespace {
 constexpr int kRows = kMaxBinomial + 1;
 using Triangle = std::array<std::array<double, kRows>, kRows>;
 
-/// Pascal's triangle. Numbers beyond 2^53 are rounded, each row a little more: below 2^-45 in all.
+/// Pascal's triangle. Numbers beyond 2^53 are rounded, each row a little more: no more than 2^-45 in all.
 constexpr Triangle triangle = [] {
     Triangle t{};
     for (int n = 0; n < kRows; ++n) {

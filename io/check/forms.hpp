@@ -20,7 +20,7 @@
 namespace vcell::check {
 
 /// Pre: n <= kMaxBinomial.
-inline constexpr int kMaxBinomial = 127;
+inline constexpr int kMaxBinomial = 255;
 double binomial(int n, int k);
 
 class Form {
