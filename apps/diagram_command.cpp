@@ -172,9 +172,6 @@ Status DiagramCommand::run() const {
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 
     const DiagramScene scene = scene_.read();
-    if (scene.probe && !pictures.empty())
-        throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
-    if (scene.probe && moments) throw UsageError("--moments: cells that end at a probe have no patches");
     if (moments) write_moment_header(moments->stream());
     scene_.about([&] {
         for (DiagramPicture& picture : pictures) picture.begin(scene);

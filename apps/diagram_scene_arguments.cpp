@@ -39,7 +39,7 @@ void DiagramSceneArguments::add_to(CLI::App& command) {
     command
         .add_option(
             "--probe", probe_,
-            "radius of a probe: cells of balls end at this clearance, as contacts do, and exposed_area is the "
+            "radius of a probe: cells end at this clearance, as contacts do, and exposed_area is the "
             "accessible surface")
         ->check(number_complaint)
         ->type_name("R");

@@ -1,9 +1,13 @@
 #include "cell.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
+#include "../core/quadrature/bounded_sum.hpp"
 #include "../core/threads.hpp"
 #include "../primitives/bases/plane_base.hpp"
+#include "../primitives/objects/decided_scene.hpp"
 
 namespace vcell {
 
@@ -33,6 +37,59 @@ std::string to_string(CurveKind kind) {
 bool is_entered(const Cell& cell, const CellFace& face) {
     return cell.is_complete && face.site.kind == Site::Kind::BoxSide &&
            lets_rays_in(cell.scene, face.site.index);
+}
+
+void name_cap(Cell& cell, Site cap, double probe) {
+    for_each_site(cell, [&](Site& site) {
+        if (site == cap) site = Site::cap();
+    });
+    for (CellVertex& v : cell.vertices) std::ranges::sort(v.sites);
+    for (CellEdge& e : cell.edges) std::ranges::sort(e.extra_sites);
+    for (CellFace& f : cell.faces) std::ranges::sort(f.extra_sites);
+    std::erase(cell.neighbors, cap.index);
+    Measures& m = cell.measures;
+    if (m.area == not_measured) return;
+    // Edges of the cap are fitted.
+    m.max_clearance = std::min(m.max_clearance, probe);
+    BoundedSum area;
+    for (const CellFace& face : cell.faces)
+        if (face.site.is_object()) area.add(face.area, face.area_error);
+    m.area = area.value();
+    m.area_error = area.bound();
+}
+
+Cell with_cap_as_object(Cell cell) {
+    cell.scene = with_cap(std::move(cell.scene));
+    cell.scene.probe.reset();
+    const Site cap = Site::object(cell.scene.number(cell.scene.objects.size() - 1));
+    for_each_site(cell, [&](Site& site) {
+        if (site == Site::cap()) site = cap;
+    });
+    for (CellVertex& v : cell.vertices) std::ranges::sort(v.sites);
+    // Neighbours come by their faces' areas.
+    const auto area_of = [&](std::uint32_t object) {
+        double area = 0;
+        for (const CellFace& f : cell.faces)
+            if (f.site == Site::object(object) || std::ranges::count(f.extra_sites, Site::object(object)) > 0)
+                area += f.area;
+        return area;
+    };
+    double area = 0;
+    bool has_face = false;
+    for (const CellFace& f : cell.faces) {
+        if (f.site != cap) continue;
+        has_face = true;
+        if (cell.measures.area == not_measured) continue;
+        area += f.area;
+        cell.measures.area += f.area;
+        cell.measures.area_error +=
+            f.area_error + std::numeric_limits<double>::epsilon() * cell.measures.area;
+    }
+    if (has_face)
+        cell.neighbors.insert(
+            std::ranges::find_if(cell.neighbors, [&](std::uint32_t n) { return area_of(n) < area; }),
+            cap.index);
+    return cell;
 }
 
 void scale(Cell& cell, double factor, double of_parameters, unsigned threads) {

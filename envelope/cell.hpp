@@ -167,6 +167,12 @@ void for_each_site(AnyCell& cell, Visit&& visit) {
 /// leave through another one.)
 bool is_entered(const Cell& cell, const CellFace& face);
 
+/// What has been computed with the cap as an object of that site names it Site::cap(): the measures' area is
+/// without it, and it is no neighbour. `probe` is in the cell's unit.
+void name_cap(Cell& cell, Site cap, double probe);
+/// The other way round: the cap is the last of the scene's objects, which has no probe. Pre: it has one.
+Cell with_cap_as_object(Cell cell);
+
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
 /// power of two; the parameters of its patches times `of_parameters`. Pre: no `closing`, no
 /// `moments`.

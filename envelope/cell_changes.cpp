@@ -33,6 +33,7 @@ Scene room(const Scene& scene) {
     room.box = scene.box;
     room.units = scene.units;
     room.tolerance = scene.tolerance;
+    room.probe = scene.probe;
     return room;
 }
 
@@ -167,6 +168,9 @@ Cell merge(Cell first, const Cell& second, const CellOptions& options) {
                          "is not the same in cells to be merged");
     if (first.scene.box.min != other.box.min || first.scene.box.max != other.box.max)
         throw InputError(Kind::Unsupported, InputError::no_object, "box",
+                         "is not the same in cells to be merged");
+    if (first.scene.probe != other.probe)
+        throw InputError(Kind::Unsupported, InputError::no_object, "probe",
                          "is not the same in cells to be merged");
     const CellOptions kept = keeping(first, options);
     Numbers among = that_matter(first, kept.complete);

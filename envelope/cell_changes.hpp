@@ -24,7 +24,7 @@ Cell insert(Cell cell, const Object& object, const CellOptions& options = {});
 Cell remove(Cell cell, std::uint32_t object, const CellOptions& options = {});
 
 /// The cell among the objects of both, those of the second numbered after those of the first; an object that
-/// is the base is left out of the second's. Throws InputError if they have not the same base and box.
+/// is the base is left out of the second's. Throws InputError if they have not the same base, box and probe.
 Cell merge(Cell first, const Cell& second, const CellOptions& options = {});
 
 /// The objects that own a part of the cell's boundary or share one, be it a vertex, ascending.

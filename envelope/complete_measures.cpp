@@ -41,6 +41,7 @@ public:
             add_area(face.site, sign * face.area, face.area_error);
             for (const Site site : face.extra_sites) add_area(site, sign * face.area, face.area_error);
             if (face.site.is_object()) add(area_, sign * face.area, face.area_error);
+            if (face.site.kind == Site::Kind::Cap) add(exposed_, sign * face.area, face.area_error);
         }
         is_estimated_ = is_estimated_ || cell.measures.is_estimated;
         assumed_ += cell.report.decisions.assumed;
@@ -52,6 +53,7 @@ public:
         volume_.error += width * 0.25 * std::numbers::pi * diagonal * diagonal;
         const double area = width * std::numbers::pi * diagonal;
         area_.error += area;
+        exposed_.error += area;
         for (auto& [object, share] : shares_) share.error += area;
         is_estimated_ = true;
     }
@@ -62,6 +64,8 @@ public:
         m.volume_error = unit * square * volume_.bound();
         m.area = square * std::max(0.0, area_.value);
         m.area_error = square * area_.bound();
+        m.exposed_area = square * std::max(0.0, exposed_.value);
+        m.exposed_error = square * exposed_.bound();
         m.is_estimated = is_estimated_;
         m.assumed = assumed_;
         for (const auto& [object, share] : shares_)
@@ -90,7 +94,7 @@ private:
         if (site.is_object()) add(shares_[site.index], area, error);
     }
 
-    Term volume_, area_;
+    Term volume_, area_, exposed_;
     std::map<std::uint32_t, Term> shares_;
     bool is_estimated_ = false;
     std::uint64_t assumed_ = 0;
@@ -187,30 +191,32 @@ Box room(const BoxSides& sides, unsigned subset, const Box& around) {
     return room;
 }
 
-Cell lift(const RadialBaseProblem& problem, double tolerance) {
+Cell lift(const RadialBaseProblem& problem, const DecidedScene& decided) {
+    const double tolerance = decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal());
     const MinimizationDiagram diagram = diagram_of(problem, {});
-    // A cap has no patches, and some faces in vessels have none around a cylinder.
-    bool is_bare = problem.family.forms.empty() && std::ranges::any_of(problem.objects, is_vessel);
-    for (const FormId f : problem.sites.ids()) is_bare = is_bare || is_cap(problem, f);
+    // Some faces in vessels have no patches around a cylinder.
+    const bool is_bare = problem.family.forms.empty() && std::ranges::any_of(problem.objects, is_vessel);
     LiftedCell lifted = is_bare ? lift_without_patches(problem, diagram, tolerance, true)
                                 : lift_all_around(problem, diagram, tolerance, true);
+    if (decided.scene.probe) name_cap(lifted.cell, decided.cap(), *decided.scene.probe);
     return std::move(lifted.cell);
 }
 
 template <class Problem>  // make_problem(room) of these rays
-void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, double tolerance, Problem make_problem) {
+void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, const DecidedScene& decided,
+               Problem make_problem) {
     unsigned beyond = 0;
     for (unsigned s = 0; s < 6; ++s)
         if (sides.beyond[s]) beyond |= 1u << s;
     for (unsigned subset = 0; subset < 64; ++subset) {
         if ((subset & ~beyond) != 0) continue;
-        sum.add(lift(make_problem(room(sides, subset, around)), tolerance), sign_of(subset));
+        sum.add(lift(make_problem(room(sides, subset, around)), decided), sign_of(subset));
     }
 }
 
-double tolerance_of(const Scene& scene) { return scene.tolerance.value_or(1e-7 * scene.box.diagonal()); }
-
-CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit, std::optional<double> probe) {
+CompleteMeasures of_sphere(const DecidedScene& decided) {
+    const Scene& scene = decided.scene;
+    const auto& base = std::get<Sphere>(scene.base);
     const double least = least_room * scene.box.diagonal();
     BoxSides sides{scene.box, {}};
     for (unsigned s = 0; s < 6; ++s) {
@@ -222,25 +228,26 @@ CompleteMeasures of_sphere(const Scene& scene, const Sphere& base, double unit, 
         sides.moved += 2 * least;
     }
     Sum sum;
-    add_rooms(sum, sides, {base.center, base.center}, tolerance_of(scene), [&](const Box& room) {
+    add_rooms(sum, sides, {base.center, base.center}, decided, [&](const Box& room) {
         Scene part = scene;
         part.box = room;
-        return sphere_base_problem(part, base, unit, probe);
+        return sphere_base_problem(part, base, decided.unit);
     });
     sum.leave_out(sides.moved, scene.box.diagonal());
-    return sum.result(unit);
+    return sum.result(decided.unit);
 }
 
 class AroundCylinder {
 public:
-    AroundCylinder(const Scene& scene, const Cylinder& base, double unit)
-        : scene_(scene),
-          base_(base),
-          unit_(unit),
-          diagonal_(scene.box.diagonal()),
+    explicit AroundCylinder(const DecidedScene& decided)
+        : decided_(decided),
+          scene_(decided.scene),
+          base_(std::get<Cylinder>(decided.scene.base)),
+          unit_(decided.unit),
+          diagonal_(scene_.box.diagonal()),
           least_(least_room * diagonal_),
-          frame_(cylinder_frame(scene, base)),
-          box_(scene.box) {}
+          frame_(cylinder_frame(scene_, base_)),
+          box_(scene_.box) {}
 
     CompleteMeasures operator()() {
         const std::array<double, 2> range = AxisParts::range(box_, frame_);
@@ -288,12 +295,13 @@ private:
     void add(Sum& sum, const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) const {
         const BoxSides sides{box_, beyond};
         const Vec3 p = frame_.to_world({0, stretch[0], 0}), q = frame_.to_world({0, stretch[1], 0});
-        add_rooms(sum, sides, {p.cwiseMin(q), p.cwiseMax(q)}, tolerance_of(scene_), [&](const Box& room) {
+        add_rooms(sum, sides, {p.cwiseMin(q), p.cwiseMax(q)}, decided_, [&](const Box& room) {
             const CylinderPart part{room, stretch, {}};
             return cylinder_base_problem(scene_, base_, unit_, &part);
         });
     }
 
+    const DecidedScene& decided_;
     const Scene& scene_;
     const Cylinder& base_;
     const double unit_, diagonal_, least_;
@@ -303,28 +311,22 @@ private:
     Sum sum_;
 };
 
-void refuse(const std::optional<double>& probe) {
-    if (probe)
-        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe",
-                         "is around balls: the base is none");
-}
-
 }  // namespace
 
-CompleteMeasures complete_measures(const Scene& scene, std::optional<double> probe) {
-    return in_ieee_arithmetic("complete_measures()", [&, probe]() mutable {
+CompleteMeasures complete_measures(const Scene& scene) {
+    return in_ieee_arithmetic("complete_measures()", [&] {
         validate(scene);
-        if (const auto* plane = std::get_if<Plane>(&scene.base)) {
-            refuse(probe);
-            return of_plane(scene, *plane);
-        }
+        if (const auto* plane = std::get_if<Plane>(&scene.base)) return of_plane(scene, *plane);
         const DecidedScene decided = decide(scene);
-        if (const auto* sphere = std::get_if<Sphere>(&decided.scene.base)) {
-            if (probe) *probe /= decided.unit;
-            return of_sphere(decided.scene, *sphere, decided.unit, probe);
-        }
-        refuse(probe);
-        return AroundCylinder(decided.scene, std::get<Cylinder>(decided.scene.base), decided.unit)();
+        return std::holds_alternative<Sphere>(scene.base) ? of_sphere(decided) : AroundCylinder(decided)();
+    });
+}
+
+CompleteMeasures complete_body_measures(Scene scene) {
+    return in_ieee_arithmetic("complete_body_measures()", [&] {
+        validate(scene);
+        scene.probe = 0;
+        return of_sphere(decide(scene));
     });
 }
 

@@ -37,6 +37,8 @@ struct CompleteMeasures {
     double volume = 0, volume_error = 0;
     /// That region's boundary without the sides of the box has this area.
     double area = 0, area_error = 0;
+    /// Of the cap, where the scene has a probe.
+    double exposed_area = 0, exposed_error = 0;
 
     struct Neighbor {
         std::uint32_t object;
@@ -53,8 +55,9 @@ struct CompleteMeasures {
 /// the base where it is outside the box, too, as far as its rays come into the box: where an object cuts it
 /// there, InputError says so.
 ///
-/// `probe`: the region ends at this clearance (CellOptions::probe), which may be 0: then it is the base's own
-/// body, where that is nearer to the base than to any object. Pre: probe >= 0; around balls among balls.
-CompleteMeasures complete_measures(const Scene& scene, std::optional<double> probe = std::nullopt);
+CompleteMeasures complete_measures(const Scene& scene);
+/// Of a ball's own body, where that is nearer to the ball than to any object: the region ends at clearance 0.
+/// Pre: the base is a sphere, not a point; no probe.
+CompleteMeasures complete_body_measures(Scene scene);
 
 }  // namespace vcell

@@ -137,17 +137,20 @@ struct PointQuery::Bases {
 
     std::vector<std::string> warnings;
     std::variant<OverPlane, OverCurved> base;
+    std::optional<Site> cap = std::nullopt;  // as an object
 };
 
 PointQuery::PointQuery(const Scene& scene)
     : bases_(in_ieee_arithmetic("PointQuery", [&] {
           validate(scene);
           const DecidedScene decided = decide(scene);
-          if (std::holds_alternative<Plane>(scene.base))
-              return std::make_unique<Bases>(std::in_place_type<OverPlane>,
-                                             plane_base_problem(decided.scene, decided.unit));
-          return std::make_unique<Bases>(std::in_place_type<OverCurved>,
-                                         radial_base_problem(decided.scene, decided.unit));
+          auto bases = std::holds_alternative<Plane>(scene.base)
+                           ? std::make_unique<Bases>(std::in_place_type<OverPlane>,
+                                                     plane_base_problem(decided.scene, decided.unit))
+                           : std::make_unique<Bases>(std::in_place_type<OverCurved>,
+                                                     radial_base_problem(decided.scene, decided.unit));
+          if (scene.probe) bases->cap = decided.cap();
+          return bases;
       })) {}
 
 PointQuery::PointQuery(PointQuery&&) noexcept = default;
@@ -155,7 +158,9 @@ PointQuery& PointQuery::operator=(PointQuery&&) noexcept = default;
 PointQuery::~PointQuery() = default;
 
 std::optional<PointAnswer> PointQuery::operator()(const Vec3& world) {
-    return std::visit([&](auto& base) { return base(world); }, bases_->base);
+    auto answer = std::visit([&](auto& base) { return base(world); }, bases_->base);
+    if (answer && bases_->cap && answer->site == *bases_->cap) answer->site = Site::cap();
+    return answer;
 }
 
 const std::vector<std::string>& PointQuery::warnings() const { return bases_->warnings; }

@@ -12,8 +12,8 @@
 namespace vcell {
 
 struct PointAnswer {
-    /// Owner of the ray; of sites that tie, the first. None at the centre of a sphere or on a cylinder's
-    /// axis, where rays of all directions start.
+    /// Owner of the ray, the cap of a scene with a probe among them; of sites that tie, the first. None at
+    /// the centre of a sphere or on a cylinder's axis, where rays of all directions start.
     std::optional<Site> site;
     double clearance = 0;  ///< of the cell's boundary on the ray, length; meaningless without an owner
     bool inside = false;   ///< the point lies in the closed cell

@@ -10,6 +10,7 @@
 #include "../core/solver/newton/newton.hpp"
 #include "../primitives/bases/cylinder_base.hpp"
 #include "../primitives/bisectors/vertex_system.hpp"
+#include "../primitives/objects/decided_scene.hpp"
 
 namespace vcell {
 
@@ -114,6 +115,8 @@ private:
         for (const Site& site : vertex_.sites) {
             if (site.kind == Site::Kind::Object) {
                 all.push_back({site, equation(scene_.objects[scene_.place(site.index)])});
+            } else if (site.kind == Site::Kind::Cap) {
+                all.push_back({site, equation(cap_of(scene_.base, *scene_.probe))});
             } else if (site.kind == Site::Kind::End) {
                 all.push_back({site, end(site.index == 1)});
             } else if (site.kind == Site::Kind::BoxSide) {

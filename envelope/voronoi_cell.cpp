@@ -86,29 +86,13 @@ void drop_isolated_vertices(Cell& cell) {
         for (std::uint32_t& v : e.vertices) v = number[v];
 }
 
-[[noreturn]] void fail_probe(const char* what) {
-    throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe", what);
-}
-
-void validate_probe(const CellOptions& options) {
-    const double probe = *options.probe;
-    if (!(probe > 0) || !std::isfinite(probe))
-        throw InputError(InputError::Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
-    if (options.patches) fail_probe("makes a cap, which has no patches (CellOptions::patches)");
-}
-
 PlaneBaseProblem plane_problem(const Scene& scene, double unit, const CellOptions& options) {
-    if (options.probe) fail_probe("is around balls: the base is none");
     if (options.complete)
         if (auto problem = complete_plane_base_problem(scene, unit)) return *std::move(problem);
     return plane_base_problem(scene, unit);
 }
-RadialBaseProblem radial_problem(const Scene& scene, double unit, const CellOptions& options) {
-    if (!options.probe) return radial_base_problem(scene, unit);
-    RadialBaseProblem problem = radial_base_problem(scene, unit, *options.probe / unit);
-    if (!problem.family.is_all_circular())
-        fail_probe("is around balls among balls and planes, not among tubes");
-    return problem;
+RadialBaseProblem radial_problem(const Scene& scene, double unit, const CellOptions&) {
+    return radial_base_problem(scene, unit);
 }
 
 // A problem's diagram; below its floor, if it has one, another.
@@ -164,8 +148,10 @@ Cell moved_back(LiftedCell lifted, DecidedScene decided, const Scene& scene, con
     Cell& cell = lifted.cell;
     drop_isolated_vertices(cell);
     cell.report.moved = std::max(motion.moved, decided.moved);
+    const std::optional<Site> cap = scene.probe ? std::optional(decided.cap()) : std::nullopt;
     cell.scene = std::move(decided.scene);
     add_scene_motion(lifted, cell.report.moved, std::max(motion.moved_apart, decided.moved));
+    if (cap) name_cap(cell, *cap, *cell.scene.probe);
     scale(cell, decided.unit, motion.of_parameters, thread_count(options.threads));
     cell.scene = scene;
     require_numbers(cell, options.measure, thread_count(options.threads));
@@ -203,7 +189,6 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     Stopwatch watch;
     report("bisectors", 0);
     validate(scene);
-    if (options.probe) validate_probe(options);
     DecidedScene decided = decide(scene);
     const Problem problem = steps.problem(decided.scene, decided.unit, options);
     report("bisectors", 1);

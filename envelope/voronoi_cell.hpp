@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 
 #include "../primitives/objects/scene.hpp"
 #include "cell.hpp"
@@ -32,17 +31,11 @@ struct CellOptions {
     /// into the box, and over a plane a little farther. Cells over other bases stay as they are;
     /// Cell::is_complete says which it is.
     bool complete = false;
-    /// Around a ball among balls and planes: the cell is cut off where its clearance is this (> 0, the
-    /// scene's unit; the field's probe radius), by a cap that is a sphere of radius base + probe. It competes
-    /// like an object: its faces have Site::cap() as site, their areas are the accessible surface. Pre:
-    /// patches is false, as the cap has none.
-    std::optional<double> probe;
 };
 
 /// The Voronoi cell of the scene's base among its objects, inside the box.
-/// Throws InputError as validate(), plane_base_problem() and radial_base_problem() do, for a probe that is
-/// not as CellOptions has it, and EnvironmentError (core/platform.hpp) where this thread does not compute as
-/// IEEE 754 has it by default.
+/// Throws InputError as validate(), plane_base_problem() and radial_base_problem() do, and EnvironmentError
+/// (core/platform.hpp) where this thread does not compute as IEEE 754 has it by default.
 Cell voronoi_cell(const Scene& scene, const CellOptions& options = {});
 
 }  // namespace vcell

@@ -34,9 +34,8 @@ struct DiagramScene {
     /// Where the box repeats it may lean: its edges are (x, 0, 0), (xy, y, 0) and (xz, yz, z), these being
     /// xy, xz, yz. Zero along axes that do not repeat. Pre: leaning boxes repeat along all axes.
     std::array<double, 3> tilt{0, 0, 0};
-    /// Cells end at this clearance (CellOptions::probe): what a ball of that radius that touches the object
-    /// covers with its centre, and what is behind. Then all objects are balls, centred in the box or out of
-    /// its reach.
+    /// Cells end at this clearance (Scene::probe): what a ball of that radius that touches the object
+    /// covers with its centre, and what is behind. Balls are then centred in the box or out of its reach.
     std::optional<double> probe;
     std::string units = "mm";
     std::optional<double> tolerance;  ///< as Scene::tolerance
@@ -100,7 +99,7 @@ struct DiagramOptions {
     /// cancel.
     std::function<void(double fraction)> progress;
     /// Called by the calling thread with each computed cell of a ball, ascending by object, and kept
-    /// no longer. With a probe it has no patches. Its scene has the objects that were looked at; its sites
+    /// no longer. Its scene has the objects that were looked at; its sites
     /// are their numbers in the diagram, or where the box repeats, as images have no numbers, their places in
     /// that scene, whose `images` tell what they are.
     std::function<void(std::uint32_t object, const Cell& cell)> visit;
@@ -112,8 +111,8 @@ struct DiagramOptions {
     bool bodies = false;
 };
 
-/// Throws InputError for objects that are none (validate()), an empty list, periods or a probe with what is
-/// no ball, a probe that is not positive, and a tilt without periods. What one cell runs into is in its
+/// Throws InputError for objects that are none (validate()), an empty list, periods with what is no ball, a
+/// probe that is not positive, and a tilt without periods. What one cell runs into is in its
 /// state.
 VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& options = {});
 

@@ -143,10 +143,6 @@ Status MpiDiagram::run(Ranks& ranks) const {
         if (!ranks.is_first()) return std::nullopt;
         return scene_.read();
     });
-    ranks.together([&] {
-        if (scene && scene->probe && grid_file)
-            throw UsageError("-o: cells that end at a probe have no patches, and no pictures");
-    });
     const SceneParts parts = spread(ranks, std::move(scene), scene_.path());
     took.spread = clock.seconds();
     const unsigned threads = threads_.count();

@@ -183,9 +183,12 @@ void Surroundings::rebuild() {
 
 void Surroundings::send_everything() {
     rebuild();
-    for (std::size_t i = 0; i < parts_.own.size(); ++i)
+    for (std::size_t i = 0; i < parts_.own.size(); ++i) {
+        // A ball beyond the box has no cell that ends at a probe.
+        const bool is_capped = parts_.frame.probe && decided_->is_ball(places_[i]);
         knows_everything_ = knows_everything_ || (hidden_[i].empty() && !decided_->is_wall(places_[i]) &&
-                                                  !decided_->is_bounded(places_[i]) && !parts_.frame.probe);
+                                                  !decided_->is_bounded(places_[i]) && !is_capped);
+    }
     Letter mine;
     mine.put(knows_everything_);
     const std::vector<Letter> wishes = ranks_.share(mine);

@@ -258,9 +258,6 @@ private:
             return {(side - base_unit_.dot(side) * base_unit_).normalized()};
         }
         if (site.kind == Site::Kind::End) return {base_unit_};
-        if (site.kind == Site::Kind::Cap)
-            return {
-                .value = base.g, .nearest = base.distance, .turn = base.turn(), .rounding = base.rounding};
         const std::size_t place = cell_.scene.place(site.index);
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);

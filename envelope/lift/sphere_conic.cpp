@@ -23,7 +23,6 @@ Plane facing(const Plane& plane) {
 }
 
 Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) {
-    if (is_cap(problem, f)) return {Vec3::Zero(), 1, -1, std::get<Sphere>(problem.objects[f]).radius};
     if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
         const double square = ball_power(problem, f);
         return {sphere->center, sphere->radius - problem.chart.radius, square, 0.5 * square};
@@ -67,7 +66,7 @@ Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem
 CurveKind SphereConicKind::operator()(FormId f, FormId g, const Approximate& p, const Approximate& q) {
     // b0 = 0: the bisector is a plane.
     if (is_flat(problem_, f) && is_flat(problem_, g)) return CurveKind::Line;
-    // The plane lies across the axis of both bisectors, which are surfaces of revolution (the cap about any
+    // The plane lies across the axis of both bisectors, which are surfaces of revolution (a sphere about any
     // axis).
     if (are_parallel(f, g, p.b, q.b)) return CurveKind::Circle;
     const Sign sign = gram_sign(f, g, p, q);
@@ -77,7 +76,6 @@ CurveKind SphereConicKind::operator()(FormId f, FormId g, const Approximate& p, 
 }
 
 bool SphereConicKind::are_parallel(FormId f, FormId g, const Vec3& p, const Vec3& q) {
-    if (is_cap(problem_, f) || is_cap(problem_, g)) return true;
     if (p.cross(q).cwiseAbs().maxCoeff() > 4 * u * p.norm() * q.norm()) {
         ++decisions_.by_double;
         return false;

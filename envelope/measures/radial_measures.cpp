@@ -52,9 +52,7 @@ public:
             const double area = std::max(0.0, areas_[i].value());
             cell_.faces[i].area = area;
             cell_.faces[i].area_error = areas_[i].bound();
-            const Site site = cell_.faces[i].site;
-            if (site.kind != Site::Kind::Cap)
-                (site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
+            (cell_.faces[i].site.is_object() ? area_ : box_area_).add(area, areas_[i].bound());
             m.is_estimated = m.is_estimated || cell_.faces[i].is_estimated;
         }
         const double radius = problem_.chart.radius;

@@ -40,10 +40,6 @@ namespace radial_integrals {
 //     integral from d1 to t of 2 sqrt(d1 d2) / c sqrt(x (x + delta)) dx = 2 sqrt(d1 d2) / c (t - d1) M(t).
 RoundFace::RoundFace(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
-    if (is_cap(problem, form)) {
-        set_concentric(std::get<Sphere>(object).radius);
-        return;
-    }
     if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         delta = vessel->radius + problem.chart.radius;
         c = vessel->center.norm();

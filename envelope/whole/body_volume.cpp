@@ -406,7 +406,7 @@ BodyVolume ball_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
         return {volume, 8 * double_epsilon * volume, false};
     }
     const auto among = [](const Scene& s) {
-        const CompleteMeasures m = complete_measures(s, 0.0);
+        const CompleteMeasures m = complete_body_measures(s);
         return BodyVolume{m.volume, m.volume_error, m.is_estimated};
     };
     if (others.empty()) try {

@@ -15,7 +15,7 @@ struct BodyVolume {
 /// The volume of the points of an object's cell that lie in the object: of the box, that of the ball or tube
 /// where no other one is nearer. Over all cells it adds up to the union of all balls and tubes in the box.
 ///
-/// A ball among balls is the cell that ends at clearance 0 (complete_measures(); proven). A tube in the box
+/// A ball among balls is the cell that ends at clearance 0 (complete_body_measures(); proven). A tube in the box
 /// has a closed form (tube_in_box(); proven, rounding to first order, doubled), and what overlaps it, or a
 /// ball that tubes or the wall of a vessel overlap, takes away what a quadrature along the rays from the axis
 /// or the centre finds: its error is estimated from the difference of two rules, doubled. Planes, points and

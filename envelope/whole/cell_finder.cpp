@@ -115,15 +115,13 @@ void validate_diagram(const DiagramScene& scene) {
             throw InputError(Kind::NotFinite, InputError::no_object, "tilt", "must be finite");
     if (scene.probe && !(*scene.probe > 0 && std::isfinite(*scene.probe)))
         throw InputError(Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
-    if (!scene.is_periodic() && !scene.probe) return;
+    if (!scene.is_periodic()) return;
     const Lattice lattice(scene);
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const auto* ball = std::get_if<Sphere>(&scene.objects[i]);
         if (ball == nullptr)
             throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
-                             std::string("is no ball, and ") +
-                                 (scene.is_periodic() ? "in a box that repeats" : "with a probe") +
-                                 " all objects are balls");
+                             "is no ball, and in a box that repeats all objects are balls");
         if (!lattice.has_image_at(ball->center))
             throw InputError(Kind::OutOfRange, i, object_path(as_scene, i, "center"),
                              "is too many edges away from the box that repeats");
@@ -347,7 +345,7 @@ public:
         try {
             if (decided_.is_bounded(object_))
                 find_ball_cell(kept);
-            else if (decided_.scene().probe)
+            else if (decided_.scene().probe && decided_.is_ball(object_))
                 find_beyond_box(decided_.scene().box);
             else
                 find_measures(kept);
@@ -390,8 +388,7 @@ private:
             });
         }
         CellOptions options;
-        options.probe = decided_.scene().probe;
-        options.patches = kept != nullptr && !options.probe;
+        options.patches = kept != nullptr;
         Cell cell = voronoi_cell(part_scene(base, room), options);
         take(cell);
         if (kept) *kept = std::move(cell);
@@ -448,6 +445,7 @@ private:
         scene.box = box;
         scene.units = all.units;
         scene.tolerance = all.tolerance;
+        scene.probe = all.probe;
         scene.objects.reserve(candidates_.size());
         for (const Candidate& c : candidates_) {
             scene.objects.push_back(c.other != nullptr ? *c.other : Object(c.ball));
@@ -485,16 +483,20 @@ private:
             result_.touches_box = result_.touches_box || !site.is_object();
         };
         for (const CellFace& face : cell.faces) {
-            if (face.site.kind == Site::Kind::Cap) {
-                result_.exposed_area += face.area;
-                result_.exposed_error +=
-                    face.area_error + std::numeric_limits<double>::epsilon() * result_.exposed_area;
-                continue;
-            }
+            if (add_exposed(face)) continue;
             add(face.site, face);
             for (const Site& site : face.extra_sites) add(site, face);
         }
         keep(found);
+    }
+
+    // Is it the cap's?
+    bool add_exposed(const CellFace& face) {
+        if (face.site.kind != Site::Kind::Cap) return false;
+        result_.exposed_area += face.area;
+        result_.exposed_error +=
+            face.area_error + std::numeric_limits<double>::epsilon() * result_.exposed_area;
+        return true;
     }
 
     // The cell of a ball that is centred outside the box, with a probe: nothing, where the box is beyond its
@@ -534,6 +536,8 @@ private:
         result_.volume_error += m.volume_error;
         result_.area += m.area;
         result_.area_error += m.area_error;
+        result_.exposed_area += m.exposed_area;
+        result_.exposed_error += m.exposed_error;
         result_.is_estimated = result_.is_estimated || m.is_estimated;
         result_.assumed += m.assumed;
         for (const CompleteMeasures::Neighbor& n : m.neighbors) {
@@ -564,6 +568,7 @@ private:
                 contact.area += face.area;
                 contact.area_error += face.area_error + std::numeric_limits<double>::epsilon() * contact.area;
             };
+            add_exposed(face);
             add(face.site);
             for (const Site& site : face.extra_sites) add(site);
             if (face.site.is_object()) of_faces += face.area_error;

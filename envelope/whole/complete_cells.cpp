@@ -16,6 +16,7 @@ std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t
     scene.box = all.box;
     scene.units = all.units;
     scene.tolerance = all.tolerance;
+    scene.probe = all.probe;
     for (std::uint32_t x = 0; x < all.objects.size(); ++x) {
         if (x == object || !decided.hidden(x).empty()) continue;
         scene.objects.push_back(all.objects[x]);

@@ -19,6 +19,7 @@ namespace vcell {
 
 Certificate certify(const Cell& cell, const CheckOptions& options) {
     using namespace check;
+    if (cell.scene.probe) return certify(with_cap_as_object(cell), options);
     Certificate certificate;
     const SceneGeometry geometry(cell.scene);
     certify_structure(cell, geometry, certificate);

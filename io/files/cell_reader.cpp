@@ -129,11 +129,11 @@ private:
         const std::string name = in_.string();
         if (places_)
             if (const auto object = image(name)) return Site::object(place_of(*object));
-        std::vector<Site> named{Site::base(), Site::end(0), Site::end(1)};
+        std::vector<Site> named{Site::base(), Site::end(0), Site::end(1), Site::cap()};
         for (std::uint32_t side = 0; side < 6; ++side) named.push_back(Site::box_side(side));
         for (const Site s : named)
             if (to_string(s) == name) return s;
-        in_.fail(Kind::OutOfRange, "must be \"base\", a side as \"box:-x\" or an end as \"end:+\"");
+        in_.fail(Kind::OutOfRange, "must be \"base\", \"cap\", a side as \"box:-x\" or an end as \"end:+\"");
     }
 
     CurveKind curve_kind() {
@@ -384,7 +384,8 @@ namespace {
 
 // What a scene file has at its top and a cell has not.
 bool is_key_of_scene(std::string_view path) {
-    for (const std::string_view key : {"base", "objects", "base_object", "box", "units", "tolerance"})
+    for (const std::string_view key :
+         {"base", "objects", "base_object", "box", "units", "tolerance", "probe"})
         if (path == key) return true;
     return false;
 }

@@ -188,7 +188,8 @@ Scene read_scene_value(JsonReader& in) {
             [&] { scene.base_object = static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX - 1)); }),
         required_member("box", [&] { scene.box = read_box(in); }),
         optional_member("units", [&] { scene.units = in.string(); }),
-        optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
+        optional_member("tolerance", [&] { scene.tolerance = in.number(); }),
+        optional_member("probe", [&] { scene.probe = in.number(); }));
     return scene;
 }
 
@@ -209,6 +210,7 @@ void write_scene_value(JsonWriter& out, const Scene& scene) {
         });
         out.line_key("units").value(scene.units);
         if (scene.tolerance) out.line_key("tolerance").value(*scene.tolerance);
+        if (scene.probe) out.line_key("probe").value(*scene.probe);
     });
 }
 

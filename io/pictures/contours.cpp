@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "../../primitives/objects/decided_scene.hpp"
 #include "mesh.hpp"
 
 namespace vcell {
@@ -57,15 +58,18 @@ Nearness near(const Object& object, const Vec3& p) {
 /// The surface that a face lies on: where its excess is 0.
 class Bisector {
 public:
-    Bisector(const Cell& cell, Site site) : scene_(cell.scene), site_(site) {}
+    Bisector(const Cell& cell, Site site) : scene_(cell.scene), site_(site) {
+        if (site.is_object()) object_ = scene_.objects[site.index];
+        if (site.kind == Site::Kind::Cap) object_ = cap_of(scene_.base, *scene_.probe);
+    }
 
     Nearness base(const Vec3& p) const { return near(scene_.base, p); }
 
     /// What the site is farther away than the base, or a side of the box than p.
     Nearness excess(const Vec3& p) const {
-        if (!site_.is_object()) return side(p);
-        Nearness other = near(scene_.objects[site_.index], p);
-        if (other.distance < 0 && std::holds_alternative<Plane>(scene_.objects[site_.index]))
+        if (!object_) return side(p);
+        Nearness other = near(*object_, p);
+        if (other.distance < 0 && std::holds_alternative<Plane>(*object_))
             other = {-other.distance, -other.gradient};
         const Nearness own = base(p);
         return {other.distance - own.distance, other.gradient - own.gradient};
@@ -118,6 +122,7 @@ private:
 
     const Scene& scene_;
     Site site_;
+    std::optional<Object> object_;  // the cap among them
 };
 
 /// The level curves within one face: those of the clearance over triangles, moved to where they belong.

@@ -14,6 +14,7 @@
 #include "../../core/errors.hpp"
 #include "../../core/numbers/compensated.hpp"
 #include "../../core/numbers/exact.hpp"
+#include "../objects/decided_scene.hpp"
 #include "../objects/exact_motion.hpp"
 #include "../objects/exact_space.hpp"
 #include "../objects/message.hpp"
@@ -299,7 +300,9 @@ private:
         // leans that way.
         std::vector<std::pair<LinearForm, std::string>> walls;
         for (std::size_t k = 0; k < planes_.size(); ++k)
-            walls.emplace_back(planes_[k], object_title(scene_, plane_objects_[k]));
+            walls.emplace_back(planes_[k], is_cap(scene_, plane_objects_[k])
+                                               ? std::string()
+                                               : object_title(scene_, plane_objects_[k]));
         for (const BoxSide& side : box_) {
             if (!(side.m.z() > 0)) continue;
             const Eigen::Index axis = side.index / 2;
@@ -317,7 +320,8 @@ private:
         keep(cylinders_, cylinder_objects_, [&](std::size_t i) {
             for (const auto& [plane, title] : walls) {
                 if (!is_beyond(plane, all[i])) continue;
-                hide(objects[i], " beyond ", title);
+                // What is out of a probe's reach is no matter of concern.
+                if (!title.empty()) hide(objects[i], " beyond ", title);
                 return true;
             }
             std::size_t first_equal = i;

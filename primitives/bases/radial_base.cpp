@@ -14,12 +14,9 @@
 
 namespace vcell {
 
-RadialBaseProblem radial_base_problem(const Scene& scene, double unit, std::optional<double> probe) {
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit) {
     if (const auto* sphere = std::get_if<Sphere>(&scene.base))
-        return sphere_base_problem(scene, *sphere, unit, probe);
-    if (probe)
-        throw InputError(InputError::Kind::Unsupported, InputError::no_object, "probe",
-                         "is around balls: the base is none");
+        return sphere_base_problem(scene, *sphere, unit);
     return cylinder_base_problem(scene, std::get<Cylinder>(scene.base), unit);
 }
 
@@ -59,7 +56,6 @@ bool meets_base_axis(const Cylinder& c) {
 
 bool is_flat(const RadialBaseProblem& problem, FormId form) {
     if (is_wall(problem, form)) return true;
-    if (is_cap(problem, form)) return false;
     const BaseChart& chart = problem.chart;
     const Object& object = problem.objects[form];
     if (const auto* sphere = std::get_if<Sphere>(&object))
@@ -72,7 +68,6 @@ bool is_flat(const RadialBaseProblem& problem, FormId form) {
 
 std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
     if (is_wall(problem, form)) return "box";
-    if (is_cap(problem, form)) return "cap";
     const Object& object = problem.objects[form];
     const double radius = problem.chart.radius;
     if (!problem.chart.is_sphere()) {

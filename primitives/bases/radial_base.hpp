@@ -77,7 +77,7 @@ struct RadialBaseProblem : BaseProblem {
     bool cross_equally(FormId f, FormId g) const;
 };
 
-/// `probe`: over a sphere the cap T = R0 + probe competes, too (CellOptions::probe).
+/// A scene with a probe has its cap, as decide() makes it; over a sphere that is T = R0 + probe exactly.
 /// Throws InputError as plane_base_problem() does, by exact signs:
 ///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a
 ///   ball or
@@ -88,14 +88,13 @@ struct RadialBaseProblem : BaseProblem {
 ///                sides along it (the base may reach beyond them: clearance is negative there), or no
 ///                stretch of the base cylinder is in the box;
 ///   OutOfRange   a height's coefficients leave the double range;
-///   Unsupported  a vessel with a probe, or one with whose bisector the cell would have a tip.
+///   Unsupported  a vessel with whose bisector the cell would have a tip.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.
 /// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a
 /// plane; what lies beyond a vessel's wall; over a cylinder balls out of sight beyond the ends of the
 /// stretch. Pre: validate(scene) has passed; the base is a sphere or a cylinder.
-RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1,
-                                      std::optional<double> probe = std::nullopt);
+RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
 
 /// |c|^2 - (rho - R0)^2 of a ball over a sphere base, or (R + R0)^2 - |c|^2 of a hollow sphere, to some
 /// roundings: of the scene's coordinates, as the form has them. (Near contact the canonical centre's rounding
@@ -109,15 +108,11 @@ bool meets_base_axis(const Cylinder& cylinder);
 inline bool is_wall(const RadialBaseProblem& problem, FormId f) {
     return problem.sites[f].front().kind == Site::Kind::BoxSide;
 }
-/// Is it the cap?
-inline bool is_cap(const RadialBaseProblem& problem, FormId f) {
-    return problem.sites[f].front().kind == Site::Kind::Cap;
-}
 
 /// Is the bisector a plane (a side of the box included)? Exact.
 bool is_flat(const RadialBaseProblem& problem, FormId form);
 
-/// The bisector's name for cell files, decided exactly: "box", "cap", "plane", "paraboloid", "hyperboloid",
+/// The bisector's name for cell files, decided exactly: "box", "plane", "paraboloid", "hyperboloid",
 /// ... or "quartic" (primitives/bisectors/bisector.hpp).
 std::string_view bisector_name(const RadialBaseProblem& problem, FormId form);
 

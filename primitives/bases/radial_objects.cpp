@@ -4,6 +4,7 @@
 #include <numeric>
 #include <type_traits>
 
+#include "../objects/decided_scene.hpp"
 #include "../objects/message.hpp"
 #include "nested_balls.hpp"
 #include "nested_cylinders.hpp"
@@ -58,7 +59,10 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
     for (std::size_t k = 0; k < hollow_balls.size(); ++k) {
         const HollowSphere& vessel = hollow_balls.items[k];
         const ExactVector center(vessel.center);
-        const Exact R(vessel.radius);
+        // The cap's radius is rounded.
+        const Exact R = is_cap(scene_, hollow_balls.objects[k])
+                            ? Exact(std::get<Sphere>(scene_.base).radius) + 2.0 * Exact(*scene_.probe)
+                            : Exact(vessel.radius);
         drop_beyond_wall(hollow_balls.objects[k], [&](const auto& solid) {
             using Solid = std::decay_t<decltype(solid)>;
             if constexpr (std::is_same_v<Solid, Ball>) {
@@ -105,9 +109,9 @@ void RadialObjects::drop_wider_vessels() {
         if (holds && is_held)
             merge(i, j);
         else if (holds)
-            hide(i, " beyond the wall of ", object_title(scene_, j));
+            hide_beyond_wall(i, j);
         else if (is_held)
-            hide(j, " beyond the wall of ", object_title(scene_, i));
+            hide_beyond_wall(j, i);
     };
     const auto holds = [](const HollowSphere& outer, const HollowSphere& inner) {
         const Exact room = Exact(outer.radius) - inner.radius;
@@ -153,7 +157,7 @@ void RadialObjects::drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_
     const auto look = [&](const auto& listed) {
         for (std::size_t i = 0; i < listed.size(); ++i)
             if (owner_[listed.objects[i]] != none && is_beyond_it(listed.items[i]))
-                hide(listed.objects[i], " beyond the wall of ", object_title(scene_, vessel));
+                hide_beyond_wall(listed.objects[i], vessel);
     };
     look(balls);
     look(planes);
@@ -179,6 +183,14 @@ void RadialObjects::warn(const FormSites& sites, std::vector<std::string>& warni
         for (const Site site : group) text += (text.empty() ? "" : " and ") + competitor_title(scene_, site);
         warnings.push_back(text + ": the same distance from the base everywhere, merged");
     }
+}
+
+// What is out of a probe's reach is no matter of concern.
+void RadialObjects::hide_beyond_wall(std::uint32_t object, std::uint32_t vessel) {
+    if (is_cap(scene_, vessel))
+        owner_[object] = none;
+    else
+        hide(object, " beyond the wall of ", object_title(scene_, vessel));
 }
 
 void RadialObjects::hide(std::uint32_t object, const char* how, const std::string& where) {

@@ -124,6 +124,7 @@ private:
     void drop_wider_vessels();
     template <class IsBeyond>
     void drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it);
+    void hide_beyond_wall(std::uint32_t object, std::uint32_t vessel);
 
     const Scene& scene_;
     std::vector<std::uint32_t> owner_;

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "../charts/sphere_chart.hpp"
+#include "../objects/decided_scene.hpp"
 #include "../objects/message.hpp"
 #include "radial_objects.hpp"
 #include "sphere_forms.hpp"
@@ -48,7 +49,7 @@ Vec3& place(HollowCone& cone) { return cone.apex; }
 
 // What the forms are made of, for those who ask for their exact coefficients.
 struct FormSources {
-    enum class Kind : std::uint8_t { Ball, Plane, Side, Cap };
+    enum class Kind : std::uint8_t { Ball, Plane, Side };
     struct Source {
         Kind kind;
         std::uint32_t index;  // of `balls` or `planes`, or as in Site::box_side()
@@ -57,14 +58,12 @@ struct FormSources {
     Box box;
     std::vector<Ball> balls;
     std::vector<ExactForm> planes;  // and vessels
-    std::optional<double> probe;
     IdVector<FormId, Source> forms;
     double grid = 0;  // multiples of its reciprocal are the integers below; a power of two
 
     ExactForm exact(FormId f) const {
         const Source& source = forms[f];
         if (source.kind == Kind::Plane) return planes[source.index];
-        if (source.kind == Kind::Cap) return frame.form(frame.cap(*probe));
         return frame.form(source.kind == Kind::Ball ? frame.height(balls[source.index])
                                                     : frame.height(WorldSide(box, source.index)));
     }
@@ -99,7 +98,7 @@ std::optional<FormSources::FlatBisector> FormSources::flat_bisector(FormId f) co
         return (a - (d + part)) + (part - b) == 0 ? std::optional(d) : std::nullopt;
     };
     const Source& source = forms[f];
-    if (grid == 0 || source.kind == Kind::Plane || source.kind == Kind::Cap) return std::nullopt;
+    if (grid == 0 || source.kind == Kind::Plane) return std::nullopt;
     if (source.kind == Kind::Side) {
         const WorldSide side(box, source.index);
         const auto distance = difference(side.sign * side.bound, side.sign * frame.center[side.axis]);
@@ -144,8 +143,8 @@ std::optional<Sign> FormSources::tie_sign(FormId, const std::array<FormId, 3>&, 
 
 class SphereProblem {
 public:
-    SphereProblem(const Scene& scene, const Sphere& base, double unit, std::optional<double> probe)
-        : scene_(scene), unit_(unit), probe_(probe), frame_{base.center, base.radius, {}}, objects_(scene) {}
+    SphereProblem(const Scene& scene, const Sphere& base, double unit)
+        : scene_(scene), unit_(unit), frame_{base.center, base.radius, {}}, objects_(scene) {}
 
     RadialBaseProblem build() {
         check_box();
@@ -222,13 +221,11 @@ private:
 
     // Beyond the wall, with all of it, the base would have no bisector.
     void add(std::uint32_t i, const HollowSphere& vessel) {
-        refuse_probe(i);
-        if (frame_.height(vessel).w.sign() != Sign::Positive) fail_beyond_wall(i);
+        if (height_of(i).w.sign() != Sign::Positive) fail_beyond_wall(i);
         objects_.hollow_balls.add(vessel, i);
     }
 
     void add(std::uint32_t i, const HollowCylinder& vessel) {
-        refuse_probe(i);
         const Vec3 a = scaled_axis(vessel.axis), &p = vessel.point;
         const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), vessel.radius};
         if (frame_.hollow_form(form).c[0].sign() != Sign::Positive) fail_beyond_wall(i);
@@ -236,7 +233,6 @@ private:
     }
 
     void add(std::uint32_t i, const HollowCone& vessel) {
-        refuse_probe(i);
         const ConeForm form(vessel);
         if (!form.room(ExactVector(frame_.center), frame_.radius).is_more()) fail_beyond_wall(i);
         objects_.hollow_cones.add(form, i);
@@ -245,8 +241,10 @@ private:
     [[noreturn]] void fail_beyond_wall(std::uint32_t i) const {
         objects_.fail(Kind::TouchesBase, i, "has all of the base beyond its wall");
     }
-    void refuse_probe(std::uint32_t i) const {
-        if (probe_) objects_.fail(Kind::Unsupported, i, "is a vessel, and with a probe there is none");
+    // Of a hollow sphere; the cap's is not that of its rounded radius.
+    LinearHeight height_of(std::uint32_t i) const {
+        if (is_cap(scene_, i)) return frame_.cap(*scene_.probe);
+        return frame_.height(std::get<HollowSphere>(scene_.objects[i]));
     }
 
     // A ball of the base's radius, mirrored to it by a side of the box, has that side as its bisector.
@@ -309,7 +307,6 @@ private:
             const WorldSide side(scene_.box, s);
             nearness.linear.push_back({Vec3::Unit(side.axis) / (side.bound - center[side.axis]), 0});
         }
-        if (probe_) nearness.linear.push_back({Vec3::Zero(), 1 / (radius + *probe_)});
         for (std::size_t i = 0; i < objects_.hollow_balls.size(); ++i) {
             if (!objects_.is_kept(objects_.hollow_balls.objects[i])) continue;
             const HollowSphere& vessel = objects_.hollow_balls.items[i];
@@ -407,8 +404,7 @@ private:
     RadialBaseProblem make_problem() {
         const std::size_t n = scene_.objects.size();
         FoundForms found(scene_);
-        const auto sources =
-            std::make_shared<FormSources>(FormSources{frame_, scene_.box, {}, {}, probe_, {}});
+        const auto sources = std::make_shared<FormSources>(FormSources{frame_, scene_.box, {}, {}, {}});
         sources_ = sources;
         RadialBaseProblem problem;
         IdVector<FormId, CircularForm>& forms = problem.family.forms;
@@ -440,7 +436,7 @@ private:
                     {Kind::Plane, place});
             } else if (const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[i])) {
                 const auto place = static_cast<std::uint32_t>(sources->planes.size());
-                sources->planes.push_back(frame_.form(frame_.height(*vessel)));
+                sources->planes.push_back(frame_.form(height_of(i)));
                 add(site, HollowSphere{vessel->center - frame_.center, vessel->radius},
                     rounded(sources->planes.back()), {Kind::Plane, place});
             }
@@ -455,9 +451,6 @@ private:
             const Vec3 foot = (side.bound - frame_.center[side.axis]) * Vec3::Unit(side.axis);
             add(site, Plane{foot, side.normal()}, rounded_form(side, frame_), {Kind::Side, s});
         }
-        if (probe_)
-            add(Site::cap(), Sphere{Vec3::Zero(), frame_.radius + *probe_},
-                rounded(frame_.form(frame_.cap(*probe_))), {Kind::Cap, 0});
         // Four times as far there is room for others.
         double far = 0;
         for (const Ball& b : objects_.balls.items)
@@ -497,7 +490,6 @@ private:
 
     const Scene& scene_;
     const double unit_;
-    const std::optional<double> probe_;
     SphereFrame frame_;
     RadialObjects objects_;
     std::vector<BallPower> powers_;  // of objects_.balls
@@ -508,9 +500,8 @@ private:
 
 }  // namespace
 
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit,
-                                      std::optional<double> probe) {
-    return SphereProblem(scene, base, unit, probe).build();
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit) {
+    return SphereProblem(scene, base, unit).build();
 }
 
 struct GrowingSphereProblem::Growth {
@@ -518,7 +509,7 @@ struct GrowingSphereProblem::Growth {
 };
 
 GrowingSphereProblem::GrowingSphereProblem(const Scene& scene, double unit) {
-    SphereProblem problem(scene, std::get<Sphere>(scene.base), unit, std::nullopt);
+    SphereProblem problem(scene, std::get<Sphere>(scene.base), unit);
     problem_ = problem.build();
     growth_ = std::make_shared<Growth>(Growth{problem.sources()});
 }

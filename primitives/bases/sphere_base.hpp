@@ -10,8 +10,7 @@
 namespace vcell {
 
 /// radial_base_problem() of a scene whose base is this sphere.
-RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit,
-                                      std::optional<double> probe = std::nullopt);
+RadialBaseProblem sphere_base_problem(const Scene& scene, const Sphere& base, double unit);
 
 /// The problem of a ball among balls in a box, which takes more of them. Throws as radial_base_problem().
 class GrowingSphereProblem {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
 #include <variant>
 
 namespace vcell {
@@ -39,9 +42,30 @@ void for_each_length(S& scene, Visit&& visit) {
     point(scene.box.min);
     point(scene.box.max);
     if (scene.tolerance) visit(*scene.tolerance);
+    if (scene.probe) visit(*scene.probe);
 }
 
 }  // namespace
+
+Object cap_of(const Object& base, double probe) {
+    if (const auto* ball = std::get_if<Sphere>(&base))
+        return HollowSphere{ball->center, ball->radius + 2 * probe};
+    if (const auto* tube = std::get_if<Cylinder>(&base))
+        return HollowCylinder{tube->point, tube->axis, tube->radius + 2 * probe};
+    const auto& plane = std::get<Plane>(base);
+    return Plane{plane.point + 2 * probe * plane.normal.stableNormalized(), plane.normal};
+}
+
+Scene with_cap(Scene scene) {
+    // Numbers are ascending.
+    constexpr std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
+    scene.objects.push_back(cap_of(scene.base, *scene.probe));
+    scene.names.resize(scene.objects.size());
+    scene.names.back() = "the cap";
+    if (!scene.numbers.empty()) scene.numbers.push_back(last);
+    if (!scene.images.empty()) scene.images.push_back({last, {0, 0, 0}});
+    return scene;
+}
 
 DecidedScene decide(const Scene& scene) {
     constexpr int highest = 200;
@@ -52,15 +76,16 @@ DecidedScene decide(const Scene& scene) {
     const int exponent = std::max(std::ilogb((scene.box.max - scene.box.min).maxCoeff()),
                                   largest > 0 ? std::ilogb(largest) - highest : INT_MIN);
     DecidedScene decided{scene, std::ldexp(1.0, exponent), 0};
-    if (exponent == 0) return decided;
     const double factor = std::ldexp(1.0, -exponent);
-    for_each_length(decided.scene, [&](double& x) {
-        const double scaled = factor * x;
-        // Below the normal numbers digits are lost, and nowhere else.
-        if (std::abs(scaled) < 0x1p-1000 && scaled * decided.unit != x)
-            decided.moved = std::max(decided.moved, 0x1p-1074);
-        x = scaled;
-    });
+    if (exponent != 0)
+        for_each_length(decided.scene, [&](double& x) {
+            const double scaled = factor * x;
+            // Below the normal numbers digits are lost, and nowhere else.
+            if (std::abs(scaled) < 0x1p-1000 && scaled * decided.unit != x)
+                decided.moved = std::max(decided.moved, 0x1p-1074);
+            x = scaled;
+        });
+    if (scene.probe) decided.scene = with_cap(std::move(decided.scene));
     return decided;
 }
 

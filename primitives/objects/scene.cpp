@@ -165,12 +165,14 @@ void validate(const Scene& scene) {
         if (scene.objects[i] != scene.base)
             top.fail(Kind::OutOfRange, "base_object", "objects[" + std::to_string(i) + "] is not the base");
     }
-    if (scene.tolerance) {
+    const auto require_positive = [&](const char* field, const std::optional<double>& length) {
+        if (!length) return;
         const Checker top(scene, InputError::no_object, "");
-        top.number("tolerance", *scene.tolerance);
-        if (!(*scene.tolerance > 0))
-            top.fail(Kind::OutOfRange, "tolerance", "must be > 0, is " + to_text(*scene.tolerance));
-    }
+        top.number(field, *length);
+        if (!(*length > 0)) top.fail(Kind::OutOfRange, field, "must be > 0, is " + to_text(*length));
+    };
+    require_positive("tolerance", scene.tolerance);
+    require_positive("probe", scene.probe);
 }
 
 Site side_at_end(const Scene& scene, Site site) {

@@ -43,6 +43,10 @@ struct Scene {
     /// Length; none: 1e-7 of the box diagonal. Curves around a ball or tube are no farther from the true ones
     /// than 1e-4 of what the cell reaches from its centre or axis either.
     std::optional<double> tolerance;
+    /// The cell ends where its clearance is this (> 0, length; the field's probe radius), in a cap that has
+    /// the site Site::cap(): about a ball or tube a sphere or tube of radius base + probe, over a plane one
+    /// that is so far before it. Areas of its faces are the accessible surface.
+    std::optional<double> probe;
 
     bool competes(std::size_t object) const { return !base_object || *base_object != object; }
     std::uint32_t number(std::size_t object) const {
@@ -54,7 +58,8 @@ struct Scene {
 
 /// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box, and
 /// magnitudes whose products stay in the double range: coordinates, radii and components up to 1e60, a
-/// direction's largest component and the box's extents at least 1e-60; a base_object that is the base.
+/// direction's largest component and the box's extents at least 1e-60; a base_object that is the base; a
+/// tolerance and a probe > 0.
 /// Throws InputError with the scene file's path of the first offender. Whether objects stay clear of
 /// the base is decided with the cell, by exact signs.
 void validate(const Scene& scene);

@@ -9,7 +9,7 @@
 namespace vcell {
 
 /// An object of the scene, the base, a side of the box, an end of a base cylinder's stretch, or the cap where
-/// clearance ends (CellOptions::probe).
+/// clearance ends (Scene::probe).
 struct Site {
     enum class Kind : std::uint8_t { Object, Base, BoxSide, End, Cap };
 

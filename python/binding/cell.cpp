@@ -259,24 +259,21 @@ void bind_whole(py::module_& m) {
 void bind_making(py::module_& m) {
     m.def(
         "cell",
-        [](const Scene& scene, bool measure, bool patches, bool complete, std::optional<double> probe,
-           py::object progress) {
+        [](const Scene& scene, bool measure, bool patches, bool complete, py::object progress) {
             CellOptions options;
             options.measure = measure;
-            options.patches = patches && !probe;  // a cap has none
+            options.patches = patches;
             options.complete = complete;
-            options.probe = probe;
             Watch watch(std::move(progress));
             const py::gil_scoped_release unlocked;
             return voronoi_cell(scene, with_watch(options, watch));
         },
         py::arg("scene"), py::kw_only(), py::arg("measure") = true, py::arg("patches") = true,
-        py::arg("complete") = false, py::arg("probe") = py::none(), py::arg("progress") = py::none(),
+        py::arg("complete") = false, py::arg("progress") = py::none(),
         "The Voronoi cell of the scene's base among its objects, inside the box.\n\n"
         "measure: with lengths, areas and volumes.\n"
         "patches: with patches of faces around a ball among balls and planes; others have them anyway.\n"
         "complete: of a base plane or an oblique base tube all of the box that is nearest to it.\n"
-        "probe: around a ball among balls and planes the cell ends at this clearance; it has no patches.\n"
         "progress: called with a stage and a fraction in [0, 1] up to twenty times a second; may raise.\n\n"
         "Ctrl-C ends it. Raises InputError, UndecidedError.");
 

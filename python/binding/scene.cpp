@@ -174,7 +174,7 @@ void bind_one_cell(py::module_& m) {
             py::init([](const Object& base, const py::object& objects, py::handle box_given,
                         std::vector<std::string> names, std::string base_name,
                         std::optional<std::uint32_t> base_object, std::string units,
-                        std::optional<double> tolerance) {
+                        std::optional<double> tolerance, std::optional<double> probe) {
                 Scene scene;
                 scene.base = base;
                 scene.objects = objects_of(objects);
@@ -184,6 +184,7 @@ void bind_one_cell(py::module_& m) {
                 scene.base_object = base_object;
                 scene.units = std::move(units);
                 scene.tolerance = tolerance;
+                scene.probe = probe;
                 if (!scene.names.empty() && scene.names.size() != scene.objects.size())
                     throw py::value_error("names: must be one for each object");
                 validate(scene);
@@ -192,12 +193,14 @@ void bind_one_cell(py::module_& m) {
             py::arg("base"), py::arg("objects"), py::arg("box"), py::kw_only(),
             py::arg("names") = std::vector<std::string>(), py::arg("base_name") = "",
             py::arg("base_object") = py::none(), py::arg("units") = "mm", py::arg("tolerance") = py::none(),
+            py::arg("probe") = py::none(),
             "objects: a sequence of Plane, Sphere and Cylinder, or balls as an array of shape (n, 4), rows "
             "x, y, z, r.\n"
             "box: a Box, or a pair of points.\n"
             "base_object: the number of the object that is the base itself and no competitor.\n"
             "tolerance: the largest distance of a fitted curve from the true one; default: 1e-7 of the box's "
-            "diagonal.\n\n"
+            "diagonal.\n"
+            "probe: the cell ends at this clearance, in a cap.\n\n"
             "Raises InputError, a ValueError, that names the place of what is wrong.")
         .def_property_readonly("base", [](const Scene& s) { return s.base; })
         .def_property_readonly(
@@ -208,6 +211,7 @@ void bind_one_cell(py::module_& m) {
         .def_readonly("base_object", &Scene::base_object)
         .def_readonly("units", &Scene::units)
         .def_readonly("tolerance", &Scene::tolerance)
+        .def_readonly("probe", &Scene::probe)
         .def(
             "to_json",
             [](const Scene& s) {

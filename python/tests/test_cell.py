@@ -273,8 +273,9 @@ def test_complete_measures_of_a_plane_are_what_samples_say(balls, rng):
 
 
 def test_a_probe_ends_the_cell(balls):
-    scene = vcell.Scene(vcell.Sphere((5, 5, 5), 0.5), np.empty((0, 4)), [(0, 0, 0), (10, 10, 10)])
-    cell = vcell.cell(scene, probe=1.5)
+    scene = vcell.Scene(vcell.Sphere((5, 5, 5), 0.5), np.empty((0, 4)), [(0, 0, 0), (10, 10, 10)], probe=1.5)
+    cell = vcell.cell(scene)
+    assert vcell.check(cell).holds
     assert [str(f.site) for f in cell.faces] == ["cap"] and cell.face_sites.tolist() == [-8]
     assert cell.measures.volume == pytest.approx(4 / 3 * np.pi * 8, rel=1e-12)
 

@@ -333,9 +333,6 @@ TEST_CASE("hollow cones: what is not supported is refused by name") {
     Scene base = scene;
     base.base = HollowCone{};
     CHECK(complaint(base) == "base.hollow_cone" + kind(Kind::Unsupported));
-    CellOptions probe = options;
-    probe.probe = 1;
-    CHECK(complaint(scene, probe) == "objects[0].hollow_cone" + kind(Kind::Unsupported));
     // Tips of the bisector show unless something is nearer: at (h - R0) / (1 + S) on the axis, and far above.
     for (const double beyond : {-0.25, 0.25}) {
         Scene tip = scene;

@@ -6,14 +6,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
 
 #include "../../core/errors.hpp"
+#include "../../envelope/cell_changes.hpp"
 #include "../../envelope/measures/solid_angle.hpp"
+#include "../../envelope/object_distance.hpp"
+#include "../../envelope/vertex_refinement.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../envelope/voronoi_diagram.hpp"
+#include "../../primitives/objects/decided_scene.hpp"
 #include "../test_support.hpp"
 #include "molecule.hpp"
 
@@ -309,37 +314,178 @@ TEST_CASE("probe: a side of the box cuts cap and cell") {
     check_value(cell.contacts[0].area, cell.contacts[0].area_error, pi * (4 - 0.25));
 }
 
-TEST_CASE("probe: what it is not for is refused") {
+// Around a base (alone in a box about the origin, of half the width) the cell that ends at the probe.
+Cell alone(const Object& base, double probe, double half) {
+    Scene scene;
+    scene.base = base;
+    scene.probe = probe;
+    scene.box = {Vec3::Constant(-half), Vec3::Constant(half)};
+    return voronoi_cell(scene);
+}
+
+TEST_CASE("probe: about a ball, a tube and a plane alone the cap is one, too") {
+    const double probe = 0.75, half = 4;
+    for (const double radius : {0.0, 0.5, 1.25}) {
+        CAPTURE(radius);
+        const double R = radius + probe;
+        const Cell ball = alone(Sphere{{0.5, 0, 0.25}, radius}, probe, half);
+        REQUIRE(ball.faces.size() == 1);
+        CHECK(ball.faces[0].site == Site::cap());
+        check_value(ball.faces[0].area, ball.faces[0].area_error, 4 * pi * R * R);
+        check_value(ball.measures.volume, ball.measures.volume_error, 4 * pi / 3 * R * R * R);
+        const Cell tube = alone(Cylinder{{0.5, 0.25, 0}, {0, 0, 3}, radius}, probe, half);
+        REQUIRE(tube.faces.size() == 1);
+        CHECK(tube.faces[0].site == Site::cap());
+        check_value(tube.faces[0].area, tube.faces[0].area_error, 2 * pi * R * 2 * half);
+        check_value(tube.measures.volume, tube.measures.volume_error, pi * R * R * 2 * half);
+        for (const Cell& cell : {ball, tube}) {
+            CHECK(cell.measures.area == 0);
+            CHECK(cell.neighbors.empty());
+            CHECK(cell.report.warnings.empty());
+            CHECK(cell.scene.objects.empty());
+        }
+    }
+    const Cell plane = alone(Plane{{0, 0, 1}, {0, 0, 2}}, probe, half);
+    REQUIRE(plane.faces.size() == 1);
+    CHECK(plane.faces[0].site == Site::cap());
+    check_value(plane.faces[0].area, plane.faces[0].area_error, 4 * half * half);
+    check_value(plane.measures.volume, plane.measures.volume_error, 4 * half * half * probe);
+}
+
+// Balls, a tube, planes and a vessel about a base.
+Scene mixed_around(const Object& base) {
+    Scene scene;
+    scene.base = base;
+    scene.objects = {Sphere{{2, 0.5, 0.25}, 0.5}, Cylinder{{0, 2, 0}, {1, 0.25, 0.5}, 0.25},
+                     Plane{{0, 0, 3.5}, {0.25, 0, 1}}, Sphere{{-1, -1.5, 1}, 0.25}};
+    if (!std::holds_alternative<Plane>(base)) {
+        scene.objects.push_back(Plane{{-2, 0, 0}, {1, 0, 0.125}});
+        scene.objects.push_back(HollowSphere{{0.25, 0, 0}, 3.5});
+    }
+    scene.box = {Vec3::Constant(-2.25), Vec3::Constant(2.25)};
+    return scene;
+}
+
+TEST_CASE("probe: among balls, tubes, planes and vessels the cap competes as a vessel of its own") {
+    for (const Object& base : {Object(Sphere{{0, 0, 0}, 0.5}), Object(Cylinder{{0, 0, 0}, {0.25, 0, 1}, 0.5}),
+                               Object(Plane{{0, 0, -2}, {0, 0, 1}})})
+        for (const double probe : {0.25, 0.75, 1.25}) {
+            CAPTURE(base.index());
+            CAPTURE(probe);
+            Scene scene = mixed_around(base), among = scene;
+            scene.probe = probe;
+            among.objects.push_back(cap_of(base, probe));
+            const Cell cell = voronoi_cell(scene), other = voronoi_cell(among);
+            REQUIRE(cell.faces.size() == other.faces.size());
+            CHECK(cell.vertices.size() == other.vertices.size());
+            CHECK(cell.edges.size() == other.edges.size());
+            CHECK(cell.scene.objects == scene.objects);
+            double exposed = 0;
+            for (std::size_t f = 0; f < cell.faces.size(); ++f) {
+                const Site site = other.faces[f].site;
+                const bool is_cap = site == Site::object(static_cast<std::uint32_t>(scene.objects.size()));
+                CHECK(cell.faces[f].site == (is_cap ? Site::cap() : site));
+                CHECK(cell.faces[f].area == doctest::Approx(other.faces[f].area).epsilon(1e-9));
+                CHECK_FALSE(cell.faces[f].patches.empty());
+                if (is_cap) exposed += cell.faces[f].area;
+            }
+            CHECK(exposed > 0);
+            CHECK(cell.measures.volume == doctest::Approx(other.measures.volume).epsilon(1e-9));
+            CHECK(cell.measures.area == doctest::Approx(other.measures.area - exposed));
+            CHECK(cell.measures.max_clearance <= probe);
+            CHECK(cell.measures.max_clearance > probe - 1e-6);
+            // What is out of reach is left out without a word.
+            for (const std::string& warning : cell.report.warnings) FAIL_CHECK(warning);
+            for (std::size_t v = 0; v < cell.vertices.size(); ++v) {
+                CHECK(cell.vertices[v].radius <= probe * (1 + 1e-12));
+                if (std::ranges::count(cell.vertices[v].sites, Site::cap()) > 0)
+                    CHECK(refine(cell, v, 100).has_value());
+            }
+        }
+}
+
+TEST_CASE("probe: cells that others join or leave end where they did") {
+    Scene scene = mixed_around(Sphere{{0, 0, 0}, 0.5});
+    scene.probe = 1.25;
+    const Cell whole = voronoi_cell(scene);
+    const Object last = scene.objects.front();
+    const Cell without = remove(whole, 0);
+    CHECK(without.scene.probe == scene.probe);
+    CHECK(without.measures.volume > whole.measures.volume);
+    scene.objects.erase(scene.objects.begin());
+    CHECK(without.measures.volume == doctest::Approx(voronoi_cell(scene).measures.volume).epsilon(1e-12));
+    const Cell again = insert(without, last);
+    CHECK(again.measures.volume == doctest::Approx(whole.measures.volume).epsilon(1e-12));
+    Cell other = without;
+    other.scene.probe = 1;
+    CHECK_THROWS_AS(merge(without, other), InputError);
+}
+
+TEST_CASE("probe: cells in a room with rods fill what is within reach of balls") {
+    DiagramScene scene;
+    scene.box = {Vec3::Constant(-3), Vec3::Constant(3)};
+    scene.objects = {Sphere{{0, 0, 0}, 0.5},
+                     Sphere{{1.5, 0.5, 0}, 0.25},
+                     Sphere{{-1, 1, 1}, 0.75},
+                     Sphere{{1, -1, -1}, 0.5},
+                     Cylinder{{0, -1.5, 0}, {1, 0, 0.25}, 0.25},
+                     Plane{{0, 0, 2.25}, {0, 0.25, 1}},
+                     HollowSphere{{0, 0, 0}, 3.25}};
+    scene.probe = 0.5;
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    for (const std::string& fault : contacts(diagram).faults) FAIL_CHECK(fault);
+    double sum = 0, error = 0;
+    for (const DiagramCell& cell : diagram.cells) {
+        if (cell.state == State::Wall) continue;
+        CAPTURE(cell.reason);
+        REQUIRE(cell.state == State::Computed);
+        CHECK(cell.exposed_area > 0);
+        sum += cell.volume;
+        error += cell.volume_error;
+    }
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> place(-3, 3);
+    constexpr int samples = 200'000;
+    int within = 0;
+    for (int s = 0; s < samples; ++s) {
+        const Vec3 p(place(rng), place(rng), place(rng));
+        double own = std::numeric_limits<double>::infinity(), wall = own;
+        for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+            double& least = diagram.cells[i].state == State::Wall ? wall : own;
+            least = std::min(least, distance_from(scene.objects[i], p));
+        }
+        within += own < wall && own < *scene.probe;
+    }
+    const double box = 216, part = static_cast<double>(within) / samples;
+    CHECK(std::abs(sum - box * part) <= 6 * box * std::sqrt(part * (1 - part) / samples) + error);
+    CHECK(error < 1e-5);
+}
+
+TEST_CASE("probe: one that is no length is refused") {
     Scene scene;
     scene.base = Sphere{{0, 0, 0}, 1};
     scene.objects = {Sphere{{3, 0, 0}, 1}};
     scene.box = {Vec3::Constant(-5), Vec3::Constant(5)};
-    CellOptions options;
-    options.probe = 1;
-    CHECK_THROWS_AS(voronoi_cell(scene, options), InputError);  // patches
-    options.patches = false;
-    const Cell cell = voronoi_cell(scene, options);
+    scene.probe = 1;
+    const Cell cell = voronoi_cell(scene);
     REQUIRE(cell.faces.size() == 2);
     CHECK(cell.edges.size() == 1);
     CHECK(cell.edges[0].kind == CurveKind::Circle);
     CHECK(cell.measures.max_clearance == doctest::Approx(1));
-    options.probe = 0;
-    CHECK_THROWS_AS(voronoi_cell(scene, options), InputError);
-    options.probe = 1;
-    scene.objects.push_back(Cylinder{{0, 3, 0}, {0, 0, 1}, 0.5});
-    CHECK_THROWS_AS(voronoi_cell(scene, options), InputError);
-    scene.objects.pop_back();
-    scene.base = Plane{{0, 0, -3}, {0, 0, 1}};
-    CHECK_THROWS_AS(voronoi_cell(scene, options), InputError);
-
+    for (const double probe : {0.0, -1.0, std::numeric_limits<double>::infinity()}) {
+        scene.probe = probe;
+        try {
+            voronoi_cell(scene);
+            FAIL("has a cell");
+        } catch (const InputError& e) {
+            CHECK(e.path == "probe");
+        }
+    }
     DiagramScene all = scene_of({{{0, 0, 0}, 1}, {{5, 0, 0}, 1}}, 1, 3);
     all.box.max.x() = 2.5;  // the second ball is centred outside, and out of reach
     CHECK(voronoi_diagram(all).cells[1].state == State::Empty);
     all.box.max.x() = 4;
     CHECK(voronoi_diagram(all).cells[1].state == State::Refused);
-    all.objects.push_back(Plane{{0, 0, -4}, {0, 0, 1}});
-    CHECK_THROWS_AS(voronoi_diagram(all), InputError);
-    all.objects.pop_back();
     all.probe = -1;
     CHECK_THROWS_AS(voronoi_diagram(all), InputError);
 }

@@ -309,10 +309,6 @@ TEST_CASE("vessels: what is not supported is refused by name") {
     CHECK(complaint(flat) == "objects[0].hollow_sphere.radius" + kind(Kind::NegativeRadius));
     flat.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 0}, 1};
     CHECK(complaint(flat) == "objects[0].hollow_cylinder.axis" + kind(Kind::ZeroAxis));
-    CellOptions probe;
-    probe.patches = false;
-    probe.probe = 1;
-    CHECK(complaint(scene, probe) == "objects[0].hollow_sphere" + kind(Kind::Unsupported));
     // A tip of the bisector, on the tube's axis, shows unless something is nearer.
     Scene tip = scene;
     tip.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 1}, 2};
