@@ -16,6 +16,7 @@
 
 #include "../pictures/mesh.hpp"
 #include "../pictures/site_style.hpp"
+#include "../solids/joined_parts.hpp"
 #include "../solids/solid.hpp"
 #include "../solids/spline_surface.hpp"
 
@@ -63,7 +64,7 @@ std::pair<std::vector<double>, std::vector<int>> counted(const Knots& all) {
 
 class StepFile {
 public:
-    explicit StepFile(const Cell& cell) : cell_(cell) {}
+    explicit StepFile(const Cell& cell) : joined_(joined_parts(cell)), cell_(joined_.cell) {}
 
     void write(std::ostream& out) {
         for (const Vec3& v : solid_.vertices) vertices_.push_back(add("VERTEX_POINT('',#{})", point(v)));
@@ -255,6 +256,7 @@ private:
     }
 
     static constexpr double least_uncertainty = 1e-7;  // OCCT's floor
+    const JoinedParts joined_;
     const Cell& cell_;
     const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
     const Shell shell_ = closed_shell(cell_);

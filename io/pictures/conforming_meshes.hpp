@@ -18,9 +18,11 @@ namespace vcell {
 ///
 /// Vertices are the same if three of their sites are and their errors do not tell them apart, edges if their
 /// ends are, and two sites, and a point of one lies on the other within their errors, faces if all of their
-/// edges are: nothing is joined for being near alone. What is not found so
-/// the cell draws for itself; its mesh is closed all the same. So it is where cells of tubes, which come in
-/// parts, end in a face, and where cells are of different opinions about what is a vertex.
+/// edges are: nothing is joined for being near alone. Cells of tubes, which
+/// come in parts, are joined (joined_parts()), and their edges and faces go on beyond the ends of parts;
+/// others have a point on their edges there. What is not found so the cell draws for itself; its mesh is
+/// closed all the same. So it is where parts are not joined, and where cells are of different opinions about
+/// what is a vertex.
 ///
 /// A chord is a 500th of the diagonal of the cell that is drawn first, but no more than a 200th of the face's
 /// or the edge's own: so a large cell's face is fine enough for a small one beyond. Chords of edges that
@@ -45,7 +47,6 @@ public:
 
 private:
     class Store;
-    class Fitter;
     std::unique_ptr<Store> store_;
 };
 

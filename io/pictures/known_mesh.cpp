@@ -94,7 +94,10 @@ double distance_from_curve(const RationalCurve3& curve, const Vec3& p, double en
     const Steps few(curve, 2);
     const double quick = (curve.evaluate(few.nearest(1, p, exact)) - p).norm();
     if (quick <= enough) return quick;
-    const Steps steps(curve, 32);
+    // A long spline may bend back in any of its spans.
+    constexpr std::size_t least_steps = 32, of_span = 4;
+    const std::size_t spans = (curve.points.size() - 1) / static_cast<std::size_t>(curve.degree);
+    const Steps steps(curve, std::max(least_steps, of_span * spans));
     double least = std::numeric_limits<double>::infinity();
     const auto is_nearest_beside = [&](std::size_t i) {
         const double square = steps.square(i, p);

@@ -18,13 +18,17 @@ struct KnownMesh {
         std::vector<Triangle> corner_normals;  ///< into normals
     };
 
-    /// Where the cell's vertices are drawn, one for each, and after them the other points of lines and faces.
+    /// Those of vertices, lines and faces.
     std::vector<Vec3> points;
+    /// Where the cell's vertices are drawn, one for each, into `points`.
+    std::vector<std::uint32_t> vertices;
     /// For each edge of the cell its polyline from its start to its end, into `points`; empty: not known. It
     /// begins and ends with the edge's vertices; that of a closed edge without any, with one point, near
     /// where its curve begins.
     std::vector<std::vector<std::uint32_t>> lines;
     std::vector<std::optional<Face>> faces;  ///< for each face of the cell
+    /// For each edge of the cell, or none at all: parameters at which its polyline is to have a point.
+    std::vector<std::vector<double>> breaks;
 };
 
 /// As tessellate(), with what is known as it is: points of polylines are taken for points of the edges, known

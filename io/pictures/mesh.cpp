@@ -10,9 +10,11 @@
 #include <unordered_map>
 
 #include "../../core/errors.hpp"
+#include "../solids/joined_parts.hpp"
 #include "../solids/shell.hpp"
 #include "folds.hpp"
 #include "known_mesh.hpp"
+#include "lone_points.hpp"
 #include "mesh_shape.hpp"
 #include "polygons.hpp"
 #include "trims.hpp"
@@ -123,7 +125,8 @@ public:
           lines_(shell.edges.size()) {
         for (std::size_t e = 0; e < shell.edges.size(); ++e) {
             const RationalCurve3& curve = shell.edges[e].curve;
-            lines_[e].breaks = {curve.domain_begin(), curve.domain_end()};
+            if (e < known.breaks.size()) lines_[e].breaks = known.breaks[e];
+            lines_[e].breaks.insert(lines_[e].breaks.end(), {curve.domain_begin(), curve.domain_end()});
             lines_[e].chord = chords.of_edges[e];
         }
         for_each_curve([&](const TrimCurve& c, const RationalPatch& s, double chord, bool is_loop) {
@@ -200,9 +203,9 @@ private:
     // The feet of what closes the cell come after all that is known.
     std::uint32_t point_of(std::uint32_t vertex) const {
         const std::size_t own = cell_.vertices.size();
-        return vertex < own || known_.points.empty()
-                   ? vertex
-                   : static_cast<std::uint32_t>(known_.points.size() + (vertex - own));
+        if (vertex < own) return known_.vertices.empty() ? vertex : known_.vertices[vertex];
+        return known_.points.empty() ? vertex
+                                     : static_cast<std::uint32_t>(known_.points.size() + (vertex - own));
     }
 
     // What closes the shell comes after the cell's faces: walls and ends together, the base in the end.
@@ -354,7 +357,8 @@ private:
              ++v)
             mesh_.points.push_back(shell_.vertices[v].point);
         for (std::size_t i = 0; i < lines_.size(); ++i) {
-            if (is_known_line(i)) continue;
+            // What parts that are joined have left over has no face.
+            if (is_known_line(i) || lines_[i].uses.empty()) continue;
             if (sampled_[i].parameters.empty()) sampled_[i].parameters = parameters(i);
             sampled_[i].points.clear();
             if (i < shell_.edges.size()) sample_edge(i);
@@ -544,7 +548,15 @@ double cell_diagonal(const Cell& cell) {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-CellMesh tessellate(const Cell& cell, const MeshOptions& options) { return tessellate(cell, options, {}); }
+CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
+    if (cell.parts.empty()) return tessellate(cell, options, {});
+    const JoinedParts joined = joined_parts(cell);
+    CellMesh mesh = tessellate(joined.cell, options, {});
+    for (std::size_t e = 0; e < mesh.edge_lines.size(); ++e)
+        if (joined.is_joint[e]) mesh.edge_lines[e].clear();
+    drop_lone_points(mesh);
+    return mesh;
+}
 
 CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known) {
     const Shell shell = options.closed ? closed_shell(cell) : Shell{cell.vertices, cell.edges, cell.faces, 0};

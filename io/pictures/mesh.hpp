@@ -45,7 +45,8 @@ struct CellMesh {
     std::vector<Triangle> triangles;       ///< into points, counter-clockwise seen from outside
     std::vector<Triangle> corner_normals;  ///< into normals, corner by corner
     std::vector<Group> groups;
-    std::vector<std::vector<std::uint32_t>> edge_lines;  ///< for each cell edge, into points
+    /// For each cell edge, into points; empty of ends of parts that are joined (JoinedParts).
+    std::vector<std::vector<std::uint32_t>> edge_lines;
 };
 
 /// The diagonal of the smallest axis-parallel box about the base (a plane's region, a cylinder's stretch) and
@@ -54,7 +55,8 @@ double cell_diagonal(const Cell& cell);
 
 /// Every edge of the cell is sampled once and both of its faces share these points, so the mesh has no
 /// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed. So is every
-/// seam between a face's patches. Sampling is refined until no two sides of a face cross. Pre: patches are
+/// seam between a face's patches, and every end of a tube's part that joined_parts() joins to the next one.
+/// Sampling is refined until no two sides of a face cross. Pre: patches are
 /// oriented like the chart. Throws InternalError for a cell whose rim does not close.
 CellMesh tessellate(const Cell& cell, const MeshOptions& options = {});
 

@@ -100,6 +100,7 @@ void LabelledMesh::add(std::int32_t number, const Cell& of, const CellMesh& mesh
     normals.insert(normals.end(), mesh.normals.begin(), mesh.normals.end());
     if (!colour)
         for (const auto& line : mesh.edge_lines) {
+            if (line.empty()) continue;
             lines.push_back(line);
             for (std::uint32_t& p : lines.back()) p += before;
         }

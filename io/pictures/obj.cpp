@@ -84,6 +84,7 @@ void write_obj(std::ostream& stream, const Cell& cell, const CellMesh& mesh,
                [&](const std::string& who) { return material_file.empty() ? std::string() : who; });
     out.print(FMT_COMPILE("g edges\n"));
     for (const auto& line : mesh.edge_lines) {
+        if (line.empty()) continue;
         out.print(FMT_COMPILE("l"));
         for (const std::uint32_t p : line) out.print(FMT_COMPILE(" {}"), p + 1);
         out.print(FMT_COMPILE("\n"));

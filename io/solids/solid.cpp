@@ -45,11 +45,11 @@ RationalCurve<Dim> over_domain(RationalCurve<Dim> curve, double begin, double en
 double choose(int n, int k) { return k == 0 ? 1 : choose(n - 1, k - 1) * n / k; }
 
 /// A polynomial over [0, 1] by its Bernstein coefficients.
-using Bernstein = std::vector<double>;
+using BernsteinForm = std::vector<double>;
 
-Bernstein product(const Bernstein& a, const Bernstein& b) {
+BernsteinForm product(const BernsteinForm& a, const BernsteinForm& b) {
     const int m = static_cast<int>(a.size()) - 1, n = static_cast<int>(b.size()) - 1;
-    Bernstein result(static_cast<std::size_t>(m + n + 1), 0);
+    BernsteinForm result(static_cast<std::size_t>(m + n + 1), 0);
     for (int i = 0; i <= m; ++i)
         for (int j = 0; j <= n; ++j)
             result[static_cast<std::size_t>(i + j)] += choose(m, i) * choose(n, j) / choose(m + n, i + j) *
@@ -60,16 +60,16 @@ Bernstein product(const Bernstein& a, const Bernstein& b) {
 
 // The patch's Bernstein polynomials in one parameter, times the weight's power: part k along the curve has
 // the coefficients a - from w and to w - a over the domain's length, a the parameter times the weight.
-std::vector<Bernstein> basis_along(const std::array<double, 2>& domain, int degree, const Bernstein& at,
-                                   const Bernstein& weights) {
-    Bernstein up, down;
+std::vector<BernsteinForm> basis_along(const std::array<double, 2>& domain, int degree,
+                                       const BernsteinForm& at, const BernsteinForm& weights) {
+    BernsteinForm up, down;
     for (std::size_t i = 0; i < at.size(); ++i) {
         up.push_back(weights[i] * (at[i] - domain[0]) / (domain[1] - domain[0]));
         down.push_back(weights[i] * (domain[1] - at[i]) / (domain[1] - domain[0]));
     }
-    std::vector<Bernstein> result;
+    std::vector<BernsteinForm> result;
     for (int k = 0; k <= degree; ++k) {
-        Bernstein term{choose(degree, k)};
+        BernsteinForm term{choose(degree, k)};
         for (int i = 0; i < degree; ++i) term = product(term, i < k ? up : down);
         result.push_back(std::move(term));
     }
@@ -78,20 +78,20 @@ std::vector<Bernstein> basis_along(const std::array<double, 2>& domain, int degr
 
 // The image of one span of a curve in a patch's parameters, as homogeneous control points.
 std::vector<Eigen::Vector4d> image_of_span(const RationalPatch& s, const RationalCurve2& span) {
-    Bernstein u, v, w;
+    BernsteinForm u, v, w;
     for (const Eigen::Vector3d& p : span.points) {
         u.push_back(p[0]);
         v.push_back(p[1]);
         w.push_back(p[2]);
     }
-    const std::vector<Bernstein> along_u = basis_along(s.domain_u, s.degree_u, u, w),
-                                 along_v = basis_along(s.domain_v, s.degree_v, v, w);
+    const std::vector<BernsteinForm> along_u = basis_along(s.domain_u, s.degree_u, u, w),
+                                     along_v = basis_along(s.domain_v, s.degree_v, v, w);
     std::vector<Eigen::Vector4d> points(static_cast<std::size_t>(span.degree * (s.degree_u + s.degree_v)) + 1,
                                         Eigen::Vector4d::Zero());
     for (int i = 0; i <= s.degree_u; ++i)
         for (int j = 0; j <= s.degree_v; ++j) {
             const Eigen::Vector4d& p = s.point(i, j);
-            const Bernstein factor =
+            const BernsteinForm factor =
                 product(along_u[static_cast<std::size_t>(i)], along_v[static_cast<std::size_t>(j)]);
             for (std::size_t k = 0; k < points.size(); ++k)
                 points[k] += factor[k] * p[3] * Eigen::Vector4d(p[0], p[1], p[2], 1);
@@ -122,14 +122,19 @@ RationalCurve3 image(const RationalPatch& s, const RationalCurve2& c) {
 class Builder {
 public:
     Builder(const Shell& shell, std::size_t cell_faces, double shortest)
-        : shell_(shell), cell_faces_(cell_faces), shortest_(shortest), cuts_(shell.edges.size()) {
+        : shell_(shell),
+          cell_faces_(cell_faces),
+          shortest_(shortest),
+          cuts_(shell.edges.size()),
+          is_used_(shell.edges.size(), false) {
         solid_.off = shell.off_plane;
     }
 
     Solid build() {
         for (const CellVertex& v : shell_.vertices) solid_.vertices.push_back(v.point);
         find_cuts();
-        for (std::size_t e = 0; e < cuts_.size(); ++e) cut(e);
+        for (std::size_t e = 0; e < cuts_.size(); ++e)
+            if (is_used_[e]) cut(e);
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f)
             for (const TrimmedPatch& patch : shell_.faces[f].patches) add_face(f, patch);
         check_uses();
@@ -156,10 +161,12 @@ private:
             for (const TrimmedPatch& patch : face.patches)
                 for (const auto& loop : patch.loops)
                     for (const TrimCurve& c : loop)
-                        if (c.edge)
+                        if (c.edge) {
+                            is_used_[*c.edge] = true;
                             for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
                                 cuts_[*c.edge].at.push_back(
                                     edge_parameter(c, shell_.edges[*c.edge].curve, t));
+                        }
         for (std::size_t e = 0; e < cuts_.size(); ++e) {
             const RationalCurve3& curve = shell_.edges[e].curve;
             std::vector<double>& at = cuts_[e].at;
@@ -387,6 +394,7 @@ private:
     std::size_t cell_faces_;
     double shortest_;
     std::vector<Cuts> cuts_;
+    std::vector<bool> is_used_;  // what parts that are joined have left over is not
     std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> edge
     Solid solid_;
 };
