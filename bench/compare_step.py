@@ -1,10 +1,11 @@
 """Does another program find the solids that vcell writes closed, valid as they stand, and of our volume?
 
-compare_step.py VCELL JUDGE [SCENE ...]   one line a scene (default: all of examples/scenes)
+compare_step.py VCELL JUDGE [--complete] [SCENE ...]   one line a scene (default: all of examples/scenes)
 
 VCELL is the program, JUDGE one that is called with FILE.step --expect-volume V and prints a JSON object: `ok`, a list of
 `problems`, and `as_written`, the shape without any repair, with `valid`, `shell_closed`, `volume`, the `count` of solids and
-faces and the largest `tolerance`. V is the volume that `vcell measure` states. Ends with 1 if the judge objects to a scene.
+faces and the largest `tolerance`. V is the volume that `vcell measure` states. With --complete cells are complete.
+Ends with 1 if the judge objects to a scene.
 """
 import csv
 import json
@@ -14,25 +15,26 @@ import sys
 import tempfile
 
 
-def judged(vcell, judge, scene, step):
-    computed = subprocess.run([vcell, "compute", scene, "-o", step], capture_output=True, text=True)
+def judged(vcell, judge, options, scene, step):
+    computed = subprocess.run([vcell, "compute", *options, scene, "-o", step], capture_output=True, text=True)
     if computed.returncode != 0:
         return None, computed.stderr.strip()
-    table = subprocess.run([vcell, "measure", scene], capture_output=True, text=True, check=True).stdout
+    table = subprocess.run([vcell, "measure", *options, scene], capture_output=True, text=True, check=True).stdout
     volume = next(csv.DictReader(table.splitlines(), delimiter="\t"))["volume"]
     said = subprocess.run([judge, step, "--expect-volume", volume], capture_output=True, text=True).stdout
     return float(volume), json.loads(said)
 
 
 def main():
-    vcell, judge, *scenes = sys.argv[1:]
+    options = [a for a in sys.argv[1:] if a == "--complete"]
+    vcell, judge, *scenes = [a for a in sys.argv[1:] if a not in options]
     folder = pathlib.Path(__file__).resolve().parent.parent / "examples" / "scenes"
     all_good = True
     print("scene", "ok", "solids", "faces", "valid", "closed", "tolerance", "volume", "volume_off", "problems", sep="\t")
     with tempfile.TemporaryDirectory() as temporary:
         for scene in scenes or sorted(map(str, folder.glob("*.json"))):
             name = pathlib.Path(scene).stem
-            volume, said = judged(vcell, judge, scene, str(pathlib.Path(temporary) / f"{name}.step"))
+            volume, said = judged(vcell, judge, options, scene, str(pathlib.Path(temporary) / f"{name}.step"))
             good = volume is not None and bool(said.get("ok"))
             all_good = all_good and good
             if volume is None or "as_written" not in said:
