@@ -109,6 +109,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twin_lines_at_a_side",
                              "ring_of_three",
                              "ring_at_end",
+                             "twins_opposite_the_pole",
                              "cusp_beside_tube",
                              "cusp_beside_tilted_tube"}) {
         CAPTURE(name);
