@@ -162,18 +162,70 @@ bool base_contains(const Object& base, const Object& held) {
     return contains(base, held);
 }
 
-Sign side_of_base(const Plane& plane, const Object& base) {
-    const auto side_of = [&](const Vec3& p) { return dot(exact(plane.normal), from(plane.point, p)).sign(); };
-    if (const auto* ball = std::get_if<Sphere>(&base)) return side_of(ball->center);
-    if (const auto* tube = std::get_if<Cylinder>(&base))
-        return are_orthogonal(exact(plane.normal), exact(tube->axis)) ? side_of(tube->point) : Sign::Zero;
-    const auto& front = std::get<Plane>(base);
-    const bool is_parallel = squared_sine(exact(plane.normal), exact(front.normal)).sign() == Sign::Zero;
-    return is_parallel ? side_of(front.point) : Sign::Zero;
+namespace {
+
+/// The corners of the box, twice as large about its middle.
+std::array<Vec3, 8> far_corners(const Box& box) {
+    std::array<Vec3, 8> corners;
+    const Vec3 half = 0.5 * (box.max - box.min);
+    for (std::size_t k = 0; k < corners.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            corners[k][axis] = (k >> axis) & 1 ? box.max[axis] + half[axis] : box.min[axis] - half[axis];
+    return corners;
 }
 
-bool is_across(const Plane& plane, const Object& base, const Object& object) {
-    const Sign side = side_of_base(plane, base);
+/// The place of the base plane, or of the axis of the base tube, from which a point is seen lies this much on
+/// the side of a plane that its normal m points to, times |n|^2 with the base's normal or axis n. With v the
+/// way to the point from the plane's point and w from the base's: |n|^2 m v - (n w) (m n), or m (a - p) |n|^2
+/// + (n w) (m n).
+template <class T>
+T side_of_foot(const Plane& plane, const Vec3& base_point, const Vec3& normal, bool is_axis, const Vec3& q) {
+    const Vector<T> m = to_vector<T>(plane.normal), n = to_vector<T>(normal), p = to_vector<T>(plane.point),
+                    a = to_vector<T>(base_point), x = to_vector<T>(q);
+    const T along = dot(n, x - a) * dot(m, n), squared = dot(n, n);
+    return is_axis ? dot(m, a - p) * squared + along : dot(m, x - p) * squared - along;
+}
+
+/// The side that all places are on: the sign of `side` at each, if they agree and none is within `radius` of
+/// the plane.
+Sign common_side(const Plane& plane, const Vec3& base_point, const Vec3& normal, bool is_axis, double radius,
+                 const Box& box) {
+    Sign common = Sign::Zero;
+    for (const Vec3& q : far_corners(box)) {
+        const Interval about = side_of_foot<Interval>(plane, base_point, normal, is_axis, q);
+        Sign sign = about.lower() > 0 ? Sign::Positive : about.upper() < 0 ? Sign::Negative : Sign::Zero;
+        if (sign == Sign::Zero || radius > 0) {
+            const Exact side = side_of_foot<Exact>(plane, base_point, normal, is_axis, q);
+            const Vector<Exact> n = exact(normal), m = exact(plane.normal);
+            const Exact room = Exact(radius) * dot(n, n);
+            if ((side * side - room * room * dot(m, m)).sign() != Sign::Positive) return Sign::Zero;
+            sign = side.sign();
+        }
+        if (sign == Sign::Zero || (common != Sign::Zero && sign != common)) return Sign::Zero;
+        common = sign;
+    }
+    return common;
+}
+
+}  // namespace
+
+// A point that is seen from the plane's one side and lies on the other is farther from where it is seen from
+// than from where that way meets the plane.
+Sign side_of_base(const Plane& plane, const Scene& scene) {
+    const auto side_of = [&](const Vec3& p) { return dot(exact(plane.normal), from(plane.point, p)).sign(); };
+    if (const auto* ball = std::get_if<Sphere>(&scene.base)) return side_of(ball->center);
+    if (const auto* tube = std::get_if<Cylinder>(&scene.base)) {
+        if (are_orthogonal(exact(plane.normal), exact(tube->axis))) return side_of(tube->point);
+        return common_side(plane, tube->point, tube->axis, true, tube->radius, scene.box);
+    }
+    const auto& front = std::get<Plane>(scene.base);
+    if (squared_sine(exact(plane.normal), exact(front.normal)).sign() == Sign::Zero)
+        return side_of(front.point);
+    return common_side(plane, front.point, front.normal, false, 0, scene.box);
+}
+
+bool is_across(const Plane& plane, const Scene& scene, const Object& object) {
+    const Sign side = side_of_base(plane, scene);
     if (side == Sign::Zero) return false;
     const Plane towards{plane.point, side == Sign::Positive ? plane.normal : Vec3(-plane.normal)};
     return base_contains(towards, object);

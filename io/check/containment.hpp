@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../../core/numbers/sign.hpp"
-#include "../../primitives/objects/objects.hpp"
+#include "../../primitives/objects/scene.hpp"
 
 namespace vcell::check {
 
@@ -12,11 +12,12 @@ bool contains(const Object& holder, const Object& held);
 /// Does the base contain all of an object, or as a plane have it behind its front?
 bool base_contains(const Object& base, const Object& held);
 
-/// The side of a plane that the base is wholly on: Positive where its normal points. Zero where that is not
-/// known: of base planes and tubes that are not parallel to it. Pre: the plane does not cut the base.
-Sign side_of_base(const Plane& plane, const Object& base);
+/// The side of a plane that all of the base is on from which places in the box are seen: Positive where its
+/// normal points. Zero where that is not known: where the plane cuts a base plane or tube not far beyond.
+/// Pre: the plane does not cut the base in the box.
+Sign side_of_base(const Plane& plane, const Scene& scene);
 /// Has a plane the base on one side and the object on the other? A point on the base's side is no farther
-/// from the plane than from the object then. Pre: the plane does not cut the base.
-bool is_across(const Plane& plane, const Object& base, const Object& object);
+/// from the plane than from the object then. Pre: the plane does not cut the base in the box.
+bool is_across(const Plane& plane, const Scene& scene, const Object& object);
 
 }  // namespace vcell::check

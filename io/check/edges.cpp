@@ -9,6 +9,7 @@
 
 #include "../pictures/trims.hpp"
 #include "excess.hpp"
+#include "tangents.hpp"
 #include "touching_spheres.hpp"
 
 namespace vcell::check {
@@ -290,6 +291,8 @@ private:
 
     /// Parts after which a rival's gradients are not asked alone.
     static constexpr std::size_t kFewParts = 16;
+    /// Parts after which a rival is told by tangents, too.
+    static constexpr std::size_t kManyParts = 256;
 
     /// Halvings after which gradients that are still parallel somewhere are taken to be so at a point.
     static constexpr int kTouching = 12;
@@ -343,7 +346,9 @@ private:
             if (count >= kFewParts) {
                 const ExcessAlong along(space(), task.part.net);
                 std::erase_if(task.rivals, [&](const Condition& c) {
-                    const double least = along.excess(c).lower();
+                    double least = along.excess(c).lower();
+                    if (least < 0 && count >= kManyParts)
+                        least = std::max(least, least_by_tangents(space(), c, task.part.net));
                     if (least >= 0) return true;
                     if (is_farther_than_twin(c, along, task.part.net.box(), whole)) return true;
                     if (!ties_at_ends(c, whole) &&

@@ -11,6 +11,7 @@
 
 #include "excess.hpp"
 #include "least_slope.hpp"
+#include "tangents.hpp"
 #include "tile.hpp"
 #include "touching_spheres.hpp"
 #include "trim_curves.hpp"
@@ -206,7 +207,8 @@ private:
     }
     std::size_t tiles_allowed() const { return std::size_t{16} << std::clamp(options_.effort, 0, 40); }
 
-    /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s.
+    /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s
+    /// on the way there, along which the excess only falls.
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
         return distance_where(
             [&](double margin) -> std::optional<double> {
@@ -214,7 +216,7 @@ private:
                 const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
                 const double slope = sqrt(square(space().gradient(own_[0], around))).lower();
                 if (slope > 0 || !own_[0].site.is_object()) return slope;
-                const double least = least_slope(space(), own_[0].site.index, around, size + 2 * margin);
+                const double least = least_slope(space(), own_[0].site.index, around, size);
                 return least * most_distance() >= size ? least : 0;
             },
             size);
@@ -297,7 +299,7 @@ private:
                     std::erase_if(t.rivals, [&](const Rival& r) { return is_held(r.condition.site, own_); });
             Tile tile = std::move(tiles.back());
             tiles.pop_back();
-            drop(tile, count > kFew);
+            drop(tile, count);
             if (tile.rivals.empty() || is_outside(patch, tile)) continue;
             // Where a rival is nearer tiles become ever smaller: few of them need be asked.
             constexpr int every = 4;
@@ -324,6 +326,8 @@ private:
 
     /// Tiles after which the patch is taken to have places where bisectors touch.
     static constexpr std::size_t kFew = 64;
+    /// Tiles after which rivals are told by tangents, too: some are least all along a line.
+    static constexpr std::size_t kMany = 1024;
 
     std::vector<Rival> rivals(const Net& net) const {
         const Vector<Interval>& box = net.box();
@@ -361,7 +365,7 @@ private:
     }
 
     /// Drops the rivals that need not be looked for in a tile.
-    void drop(Tile& tile, bool is_small) const {
+    void drop(Tile& tile, std::size_t count) const {
         const Vector<Interval>& box = tile.net.box();
         const auto is_elsewhere = [&](const Spot& spot) {
             const double reach = Interval::up(spot.radius + margin_);
@@ -394,7 +398,7 @@ private:
                    });
         };
         if (std::ranges::all_of(tile.rivals, is_told)) return;
-        const Test test(*this, tile.net, is_small);
+        const Test test(*this, tile.net, count);
         std::erase_if(tile.rivals,
                       [&](const Rival& rival) { return !is_told(rival) && test(rival.condition); });
     }
@@ -413,8 +417,8 @@ private:
     /// there on the bisector.
     class Test {
     public:
-        Test(const Faces& faces, const Net& net, bool is_small)
-            : faces_(faces), scene_(faces.scene_), net_(net), box_(net.box()), is_small_(is_small) {
+        Test(const Faces& faces, const Net& net, std::size_t count)
+            : faces_(faces), scene_(faces.scene_), net_(net), box_(net.box()), count_(count) {
             center_ = middle(box_);
             radius_ = radius(box_) + faces.margin_;  // the bisector itself, too
             base_ = slope_within(scene_.base, center_, radius_, true);
@@ -433,7 +437,8 @@ private:
                 return true;
             const bool alike = faces_.space().are_alike(c, faces_.own_[0]);
             if (alike && are_apart(c)) return true;
-            return (alike && is_farther(c, true)) || (is_small_ && is_farther(c, false));
+            if ((alike && is_farther(c, true)) || (count_ > kFew && is_farther(c, false))) return true;
+            return count_ > kMany && least_by_tangents(faces_.space(), c, net_) >= -faces_.tie_width(c.site);
         }
 
     private:
@@ -520,27 +525,32 @@ private:
         Vec3 center_;
         double radius_;
         Slope base_, own_;
-        bool is_small_;
+        std::size_t count_;                       // of tiles so far
         mutable std::optional<Changes> changes_;  // made where they are asked for
     };
 
     // --- Inside the trims ---------------------------------------------------------------------------
 
-    /// Is a tile certainly outside the loops? No curve meets it, and they do not wind around it. If they do,
-    /// its halves are inside, too.
+    /// Is a tile certainly outside the loops? No curve meets it, nor what joins two, and they do not wind
+    /// around it. If they do, its halves are inside, too. What lies between the curves and the true arcs
+    /// check_boundary() answers for: holes far smaller than edges' errors are seen here.
     bool is_outside(const Patch& patch, Tile& tile) const {
         if (tile.is_inside) return false;
         // A patch may be no wider than its numbers' rounding, below which halves of a piece do not shrink.
-        const Vec2 least_size =
-            kNearEdge * (patch.hi - patch.lo) + kRough * patch.lo.cwiseAbs().cwiseMax(patch.hi.cwiseAbs());
+        const Vec2 least_size = patch.parameter_rounding();
+        const auto is_beside = [&](const Vec2& lo, const Vec2& hi) {
+            return (lo.array() > tile.hi.array()).any() || (hi.array() < tile.lo.array()).any();
+        };
         for (const auto& loop : patch.loops)
-            for (const Trim& trim : loop) {
-                if ((trim.lo.array() > tile.hi.array()).any() || (trim.hi.array() < tile.lo.array()).any())
-                    continue;
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Trim& trim = loop[i];
+                const Vec2 end = trim.last_point(), start = loop[(i + 1) % loop.size()].first_point();
+                if (!is_beside(end.cwiseMin(start), end.cwiseMax(start))) return false;
+                if (is_beside(trim.lo, trim.hi)) continue;
                 for (const auto& piece : trim.pieces)
                     if (meets(piece, tile, least_size)) return false;
             }
-        tile.is_inside = inside(patch, 0.5 * (tile.lo + tile.hi), rounding()).value_or(true);
+        tile.is_inside = is_wound_around(patch, 0.5 * (tile.lo + tile.hi)).value_or(true);
         return !tile.is_inside;
     }
 

@@ -167,6 +167,8 @@ public:
     const Sizes& sizes() const;
     /// The ends in s and t: 0 is the begin, 1 the end.
     Vector<Interval> corner(int i, int j) const { return position(at(i * m_, j * n_)); }
+    /// A control point's place. Pre: its weight is positive.
+    Vector<Interval> control(int i, int j) const { return position(at(i, j)); }
     /// About where they are, from the origin.
     Vec3 about(int i, int j) const {
         const Point& p = at(i * m_, j * n_);

@@ -158,10 +158,38 @@ std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding) 
             // Outside of the box of all its control points the curve turns as its chord does.
             if ((uv.array() < (trim.lo - near).array()).any() ||
                 (uv.array() > (trim.hi + near).array()).any()) {
-                const auto& last = trim.pieces.back();
-                const Vec2 a = trim.pieces.front().control(0) - uv,
-                           b = last.control(last.points.size() - 1) - uv;
+                const Vec2 a = trim.first_point() - uv, b = trim.last_point() - uv;
                 total += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+                continue;
+            }
+            for (const auto& piece : trim.pieces) {
+                const auto angle = swept(piece, uv, near);
+                if (!angle) return std::nullopt;
+                total += *angle;
+            }
+        }
+    return std::lround(total / (2 * std::numbers::pi)) == 1;
+}
+
+// What joins two trims counts as the straight line between their ends.
+std::optional<bool> is_wound_around(const Patch& patch, const Vec2& uv) {
+    const Vec2 near = patch.parameter_rounding();
+    const auto is_off = [&](const Vec2& lo, const Vec2& hi) {
+        return (uv.array() < (lo - near).array()).any() || (uv.array() > (hi + near).array()).any();
+    };
+    const auto turn = [&](const Vec2& from, const Vec2& to) {
+        const Vec2 a = from - uv, b = to - uv;
+        return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+    };
+    double total = 0;
+    for (const auto& loop : patch.loops)
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const Trim &trim = loop[i], &next = loop[(i + 1) % loop.size()];
+            const Vec2 end = trim.last_point(), start = next.first_point();
+            if (!is_off(end.cwiseMin(start), end.cwiseMax(start))) return std::nullopt;
+            total += turn(end, start);
+            if (is_off(trim.lo, trim.hi)) {
+                total += turn(trim.first_point(), end);
                 continue;
             }
             for (const auto& piece : trim.pieces) {

@@ -34,6 +34,8 @@ struct Trim {
     std::vector<Bezier<2>> pieces;
     Vec2 lo = Vec2::Constant(HUGE_VAL), hi = -lo;  ///< of all control points
 
+    Vec2 first_point() const { return pieces.front().control(0); }
+    Vec2 last_point() const { return pieces.back().control(pieces.back().points.size() - 1); }
     double begin() const { return pieces.front().begin; }
     double end() const { return pieces.back().end; }
 };
@@ -47,6 +49,8 @@ struct Patch {
     Vec2 foot_lo, foot_hi;  ///< plane base: of its feet, in the chart
     mutable std::optional<RationalPatch> known_part = std::nullopt;
 
+    /// Parts of coordinates (u, v) that rounding may change.
+    Vec2 parameter_rounding() const { return 0x1p-48 * lo.cwiseAbs().cwiseMax(hi.cwiseAbs()); }
     /// The surface over the rectangle lo, hi; made when first asked for.
     const RationalPatch& part() const;
 };
@@ -70,6 +74,10 @@ inline Vec2 parameters_per_length(const SurfacePoint& s) {
 
 /// Is uv inside the loops? None: too near to them, where the edges' own errors decide. `rounding`: a length.
 std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding);
+
+/// Do the loops wind around uv as they are written, whatever their errors? A hole may be narrower than these.
+/// None: uv is on a trim, or between two that should join, as far as doubles tell.
+std::optional<bool> is_wound_around(const Patch& patch, const Vec2& uv);
 
 /// All (u, v) of the rectangle of the patch's loops whose surface points are on a ray, and perhaps some
 /// beside the rectangle. None: the ray touches the surface, runs along it, or starts on it, as far as doubles

@@ -28,7 +28,7 @@ bool Room::is_held(const Site& site, std::span<const Condition> own) const {
                if (!c.site.is_object()) return false;
                const Object& holder = scene_.objects[c.site.index];
                const auto* plane = std::get_if<Plane>(&holder);
-               return contains(holder, object) || (plane && is_across(*plane, scene_.base, object));
+               return contains(holder, object) || (plane && is_across(*plane, scene_, object));
            });
 }
 

@@ -349,8 +349,7 @@ private:
     }
     Surface<T> surface_of(const Object& object) const {
         Surface<T> surface(object);
-        if (const auto* plane = std::get_if<Plane>(&object))
-            surface.turn_to(side_of_base(*plane, scene_.base));
+        if (const auto* plane = std::get_if<Plane>(&object)) surface.turn_to(side_of_base(*plane, scene_));
         return surface;
     }
     static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }

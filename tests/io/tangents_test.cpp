@@ -1,0 +1,171 @@
+/// Lower bounds of excesses over a net by tangents, and the side of a plane that a base is on, by brute
+/// force.
+#include "../../io/check/tangents.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "../../io/check/containment.hpp"
+#include "../test_support.hpp"
+
+namespace vcell::check {
+
+namespace {
+
+class TangentScenes {
+public:
+    double at(double most = 1) { return std::uniform_real_distribution<>(-most, most)(rng_); }
+    Vec3 point(double most = 1) { return {at(most), at(most), at(most)}; }
+    Object object(int kind) {
+        const Vec3 p = point(2), d = point().normalized();
+        if (kind == 0) return Plane{p, d};
+        if (kind == 1) return Sphere{p, 0.5 * std::abs(at())};
+        return Cylinder{p, d, 0.5 * std::abs(at())};
+    }
+    Scene scene(int base, int object) {
+        Scene s;
+        s.base = this->object(base);
+        s.objects = {this->object(object)};
+        s.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+        return s;
+    }
+
+private:
+    std::mt19937_64 rng_{test_seed()};
+};
+
+double distance_in_doubles(const Object& object, const Vec3& p) {
+    if (const auto* plane = std::get_if<Plane>(&object))
+        return plane->normal.normalized().dot(p - plane->point);
+    if (const auto* ball = std::get_if<Sphere>(&object)) return (p - ball->center).norm() - ball->radius;
+    const auto& tube = std::get<Cylinder>(object);
+    return (p - tube.point).cross(tube.axis.normalized()).norm() - tube.radius;
+}
+
+double excess_in_doubles(const Scene& s, const Vec3& p) {
+    const double d = distance_in_doubles(s.objects[0], p);
+    return (std::holds_alternative<Plane>(s.objects[0]) ? std::abs(d) : d) - distance_in_doubles(s.base, p);
+}
+
+// Of degree (2, 1), about a point.
+RationalPatch random_patch(TangentScenes& r, double size) {
+    RationalPatch patch;
+    patch.degree_u = 2;
+    patch.degree_v = 1;
+    patch.domain_u = patch.domain_v = {0, 1};
+    const Vec3 middle = r.point(2);
+    for (int i = 0; i < 6; ++i) {
+        const Vec3 p = middle + r.point(size);
+        patch.points.push_back({p.x(), p.y(), p.z(), 1.5 + r.at()});
+    }
+    return patch;
+}
+
+}  // namespace
+
+TEST_CASE("tangents: no place of a net has a lesser excess, and one of a small net has little more") {
+    TangentScenes r;
+    int told = 0;
+    for (int round = 0; round < 2000; ++round) {
+        const Scene scene = r.scene(round % 3, round / 3 % 3);
+        const Space<Interval> space(scene);
+        const double size = round % 2 == 0 ? 1 : 1e-3;
+        const RationalPatch patch = random_patch(r, size);
+        const Net net(patch, patch.points[0].head<3>());
+        const double bound = least_by_tangents(space, {Site::object(0)}, net);
+        double least = HUGE_VAL, nearest = HUGE_VAL;
+        for (int k = 0; k < 40; ++k) {
+            const Vec3 p = evaluate(patch, k % 5 * 0.25, k / 5 / 7.0).p;
+            least = std::min(least, excess_in_doubles(scene, p));
+            for (const Object& o : {scene.base, scene.objects[0]}) {
+                const auto* ball = std::get_if<Sphere>(&o);
+                const auto* tube = std::get_if<Cylinder>(&o);
+                const double radius = ball ? ball->radius : tube ? tube->radius : 1;
+                nearest = std::min(nearest, std::abs(distance_in_doubles(o, p) + radius));
+            }
+        }
+        CHECK(bound <= least + 1e-12);
+        // A plane's distance is signed where it has the base on one side.
+        if (size == 1 || nearest < 0.1 || space.is_sided(0)) continue;
+        ++told;
+        CHECK(bound >= least - 4 * size);
+    }
+    CHECK(told > 200);
+}
+
+TEST_CASE("tangents: what touches a plane all along a line is told at once") {
+    for (const double slope : {0.0, 1.0, 0.3}) {
+        CAPTURE(slope);
+        Scene scene;
+        scene.base = Plane{Vec3::Zero(), Vec3::UnitZ()};
+        scene.objects = {Cylinder{Vec3(0.1, 0.2, 0.75), Vec3(1, slope, 0), 0.25},
+                         Sphere{Vec3(0.3, 0.1, 0.75), 0.25}, Cylinder{Vec3(0, 0, 0.5), Vec3(1, slope, 0), 0}};
+        scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+        const Space<Interval> space(scene);
+        RationalPatch patch;
+        patch.degree_u = patch.degree_v = 1;
+        patch.domain_u = patch.domain_v = {0, 1};
+        constexpr double height = 0.2;
+        for (const double x : {-2.0, 2.0})
+            for (const double y : {-2.0, 2.0}) patch.points.push_back({x, y, height, 1});
+        const Net net(patch, Vec3::Zero());
+        for (const std::uint32_t i : {0u, 1u, 2u}) {
+            CAPTURE(i);
+            const double bound = least_by_tangents(space, {Site::object(i)}, net);
+            CHECK(bound <= 0.5 - 2 * height);
+            CHECK(bound >= 0.5 - 2 * height - 1e-14);
+        }
+        // A side of the box that the net ends at.
+        CHECK(std::abs(least_by_tangents(space, {Site::box_side(0)}, net)) < 1e-14);
+    }
+}
+
+TEST_CASE("sides of planes: a plane that cuts the base far from the box has it on one side") {
+    Scene scene;
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    const auto side = [&](double height, double rise) {
+        return side_of_base(Plane{Vec3(0, 0, height), Vec3(-rise, 0, 1)}, scene);
+    };
+    scene.base = Plane{Vec3::Zero(), Vec3::UnitZ()};
+    CHECK(side(1, 0) == Sign::Negative);
+    CHECK(side(1, 0.01) == Sign::Negative);
+    CHECK(side(-1, 0.01) == Sign::Positive);
+    CHECK(side(1, 0.2) == Sign::Negative);
+    CHECK(side(1, 0.5) == Sign::Zero);
+    CHECK(side(0x1p-40, 0x1p-50) == Sign::Negative);
+    scene.base = Cylinder{Vec3::Zero(), Vec3::UnitX(), 0.5};
+    CHECK(side(1, 0) == Sign::Negative);
+    CHECK(side(1, 0.1) == Sign::Negative);
+    CHECK(side(1, 0.25) == Sign::Zero);
+    CHECK(side(0.5, 0.01) == Sign::Zero);
+    CHECK(side(-0.5 - 0x1p-40, 0x1p-50) == Sign::Positive);
+}
+
+TEST_CASE("sides of planes: where a plane is no nearer than the base the signed distance is its own") {
+    TangentScenes r;
+    int told = 0;
+    for (int round = 0; round < 3000; ++round) {
+        Scene scene = r.scene(round % 2 == 0 ? 0 : 2, 0);
+        auto& plane = std::get<Plane>(scene.objects[0]);
+        // Next to parallel ones.
+        const Vec3 about = round % 2 == 0 ? std::get<Plane>(scene.base).normal
+                                          : std::get<Cylinder>(scene.base).axis.unitOrthogonal();
+        plane.normal = about + r.point(round % 4 < 2 ? 0.2 : 1e-3);
+        const Sign side = side_of_base(plane, scene);
+        if (side == Sign::Zero) continue;
+        for (int k = 0; k < 20; ++k) {
+            const Vec3 p = r.point(2);
+            const double clearance = distance_in_doubles(scene.base, p), d = distance_in_doubles(plane, p);
+            if (clearance < 0 || std::abs(d) < clearance) continue;
+            ++told;
+            CHECK((d > 0) == (side == Sign::Positive));
+        }
+    }
+    CHECK(told > 1000);
+}
+
+}  // namespace vcell::check
