@@ -132,7 +132,11 @@ private:
                                        h = space().gradient(conditions_[1], x);
                 const Vector<Interval> difference =
                     space().gradient_difference(conditions_[1], conditions_[0], x);
-                const Interval sine = square(cross(g, difference)), sum = square(g) + square(h);
+                // Either gradient may be far shorter than the other, or nearly the same.
+                const Interval by_both = square(cross(g, h)), by_one = square(cross(g, difference));
+                const Interval sine(std::max(by_both.lower(), by_one.lower()),
+                                    std::min(by_both.upper(), by_one.upper()));
+                const Interval sum = square(g) + square(h);
                 if (!(sine.lower() > 0)) return std::nullopt;
                 // Of a matrix with rows g and h: |g x h|^2 is the product of the squared singular values, of
                 // which the greater is below the sum of squares.

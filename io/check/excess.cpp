@@ -66,7 +66,11 @@ Form ExcessAlong::squared_distance(const Surface& round) const {
 }
 
 Interval ExcessAlong::excess(const Condition& c) const {
-    if (c.site.is_object()) return object_excess(space_.object(c.site.index));
+    if (c.site.is_object()) {
+        const Interval plain = object_excess(space_.object(c.site.index));
+        const auto apart = space_.is_twin_of_base(c.site.index) ? excess_of_twin(c.site.index) : std::nullopt;
+        return apart ? intersection(plain, *apart) : plain;
+    }
     // Linear: its value at the origin, and its gradient.
     const Vector<Interval> origin = to_vector<Interval>(net_.origin());
     return inner(space_.gradient(c, origin), position_, space_.excess(c, origin), weight_).range() / w_;
@@ -93,15 +97,13 @@ std::optional<Interval> ExcessAlong::difference_of_planes(const Condition& c, co
 /// A - B of squared distances A / w^2 and B / w^2, where nothing cancels but in differences of points a, b
 /// and of axes e, f. With x = p - a: |x|^2 - |p - b|^2 = (b - a) (2 p - a - b), and of what is along the axes
 /// the difference of squares is ((e - f) x + f (b - a)) ((e + f) x - f (b - a)).
-std::optional<Form> ExcessAlong::squared_difference(const Condition& c, const Condition& d) const {
-    const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
+Form ExcessAlong::squared_difference(const Surface& first, const Surface& second,
+                                     const std::optional<std::array<Vector<Interval>, 2>>& axes) const {
     const Vector<Interval> origin = to_vector<Interval>(net_.origin()), x = origin - first.point,
                            way = second.point - first.point;
     Form result =
         inner(Interval(2.0) * way, position_, dot(way, x + (origin - second.point)), weight_) * weight_;
-    if (first.kind == Kind::sphere) return result;
-    const auto axes = space_.near_axes(c, d);
-    if (!axes) return std::nullopt;
+    if (!axes) return result;
     const auto& [turn, f] = *axes;
     const Vector<Interval> both = turn + Interval(2.0) * f;
     const Interval shift = dot(f, way);
@@ -120,18 +122,36 @@ std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, con
         first.radius.lower() == second.radius.upper() && first.radius.upper() == second.radius.lower();
     const Interval grown = are_equal ? Interval(0.0) : first.radius - second.radius;
     if (!are_equal && space_.base().kind != Kind::plane) return std::nullopt;
-    std::optional<Form> g = squared_difference(c, d);
-    if (!g) return std::nullopt;
+    std::optional<std::array<Vector<Interval>, 2>> axes;
+    if (first.kind == Kind::cylinder) {
+        axes = space_.near_axes(c, d);
+        if (!axes) return std::nullopt;
+    }
+    Form g = squared_difference(first, second, axes);
     const Interval distances = sqrt(squared_distance(first).range()) + sqrt(squared_distance(second).range()),
                    sum = distances / w_ + grown;
     if (!(sum.lower() > 0)) return std::nullopt;
     Interval rest(0.0);
     if (!are_equal) {
         const Form reach = Form::combination<2>({{{1.0, &base_}, {second.radius, &weight_}}});
-        *g = *g - (2 * grown) * (reach * weight_) - square(grown) * square(weight_);
+        g = g - (2 * grown) * (reach * weight_) - square(grown) * square(weight_);
         rest = 2 * (grown * object_excess(second));
     }
-    return (g->range() / square(w_) - rest) / sum;
+    return (g.range() / square(w_) - rest) / sum;
+}
+
+/// Squared distances A / w^2 = s^2 and B / w^2 = t^2 from what a body and a base like it are about: s - t is
+/// (A - B) / w^2 over s + t, and the difference of the radii is taken away.
+std::optional<Interval> ExcessAlong::excess_of_twin(std::uint32_t object) const {
+    const Surface &first = space_.object(object), &base = space_.base();
+    std::optional<std::array<Vector<Interval>, 2>> axes;
+    if (base.kind == Kind::cylinder) {
+        axes = space_.axes_of_twin(object);
+        if (!axes) return std::nullopt;
+    }
+    const Interval sum = (sqrt(squared_distance(first).range()) + sqrt(base_.range())) / w_;
+    if (!(sum.lower() > 0)) return std::nullopt;
+    return squared_difference(first, base, axes).range() / square(w_) / sum - (first.radius - base.radius);
 }
 
 Interval ExcessAlong::in_vessel(const Surface& object) const {

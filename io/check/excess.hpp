@@ -5,6 +5,10 @@
 /// as small as that without any subdivision.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <optional>
+
 #include "nets.hpp"
 #include "space.hpp"
 
@@ -28,8 +32,10 @@ private:
     Form squared_distance(const Surface& round) const;
     Interval object_excess(const Surface& object) const;
     std::optional<Interval> difference_of_planes(const Condition& c, const Condition& d) const;
-    std::optional<Form> squared_difference(const Condition& c, const Condition& d) const;
+    Form squared_difference(const Surface& first, const Surface& second,
+                            const std::optional<std::array<Vector<Interval>, 2>>& axes) const;
     std::optional<Interval> difference_of_round(const Condition& c, const Condition& d) const;
+    std::optional<Interval> excess_of_twin(std::uint32_t object) const;
     Interval above_plane(const Surface& object) const;
     Interval of_plane(const Surface& object) const;
     Interval of_round(const Surface& object) const;

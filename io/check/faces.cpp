@@ -85,7 +85,8 @@ private:
                 proved = proved && gap < HUGE_VAL && edge.growth > 0;
                 most = std::max({most, gap, (edge.excess + 2 * gap) / edge.growth});
             }
-        return proved ? std::optional(most) : std::nullopt;
+        // Both are in the box.
+        return proved ? std::optional(std::min(most, scene_.box.diagonal())) : std::nullopt;
     }
 
     // --- On the bisector ----------------------------------------------------------------------------

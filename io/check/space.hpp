@@ -199,6 +199,8 @@ public:
             for (const Object& o : scene.objects) surfaces_.push_back(surface_of(o));
         }
         if (base_.kind == Surface<T>::Kind::cylinder) part ? find_stretch(*part) : find_stretch();
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+            if (is_beside(scene.objects[i], scene.base)) twins_of_base_.push_back(i);
     }
 
     const Scene& scene() const { return scene_; }
@@ -219,7 +221,11 @@ public:
     Vector<T> up(const Vector<T>& p) const { return base_.gradient(p); }
 
     T excess(const Condition& c, const Vector<T>& p) const {
-        if (c.site.is_object()) return object_excess(c.site.index, p, clearance(p));
+        if (c.site.is_object()) {
+            const T plain = object_excess(c.site.index, p, clearance(p));
+            const auto apart = is_twin_of_base(c.site.index) ? excess_of_twin(c.site.index, p) : std::nullopt;
+            return apart ? intersection(plain, *apart) : plain;
+        }
         if (c.site.kind == Site::Kind::End) return inside_end(c.site.index, p);
         return inside_side(c.site.index, c.at_rim ? p - base_.distance(p) * base_.direction : p);
     }
@@ -240,7 +246,11 @@ public:
     }
 
     Vector<T> gradient(const Condition& c, const Vector<T>& p) const {
-        if (c.site.is_object()) return object_gradient(c.site.index, p) - up(p);
+        if (c.site.is_object()) {
+            const Vector<T> plain = object_gradient(c.site.index, p) - up(p);
+            const auto ways = is_twin_of_base(c.site.index) ? ways_of_twin(c.site.index, p) : std::nullopt;
+            return ways ? intersection(plain, difference(ways->to, ways->from, ways->apart)) : plain;
+        }
         if (c.site.kind == Site::Kind::End)
             return c.site.index == 0 ? base_.direction : negative(base_.direction);
         const Vector<T> m = inwards(c.site.index);
@@ -273,6 +283,11 @@ public:
         return axis.cross(other.axis.stableNormalized()).norm() < much &&
                axis.cross(other.point - tube.point).norm() < far;
     }
+    /// Is it a ball next to a base ball, or a tube next to a base tube? What their distances and gradients
+    /// differ by is known to a part of that.
+    bool is_twin_of_base(std::uint32_t i) const {
+        return !twins_of_base_.empty() && std::ranges::binary_search(twins_of_base_, i);
+    }
     /// The normals of two planes, towards the side that p is on, where they are much alike.
     std::optional<std::array<Vector<T>, 2>> near_normals(const Condition& c, const Condition& d,
                                                          const Vector<T>& p) const {
@@ -298,7 +313,11 @@ public:
         const auto axis = [&](const Condition& e) {
             return to_vector<T>(std::get<Cylinder>(scene_.objects[e.site.index]).axis);
         };
-        const Vector<T> e = axis(c), own = axis(d), unit = object(d.site.index).direction;
+        return near_axes(axis(c), axis(d), object(d.site.index).direction);
+    }
+    /// `unit`: the second's of length one.
+    static std::optional<std::array<Vector<T>, 2>> near_axes(const Vector<T>& e, const Vector<T>& own,
+                                                             const Vector<T>& unit) {
         const bool is_opposite = dot(e, own).upper() < 0;
         const Vector<T> f = is_opposite ? negative(own) : own;
         if (!are_near(e, f)) return std::nullopt;
@@ -332,8 +351,52 @@ public:
     /// A base cylinder's, along its axis from its point.
     const std::array<T, 2>& stretch() const { return stretch_; }
 
+    /// Of a tube next to a base tube, likewise with that.
+    std::optional<std::array<Vector<T>, 2>> axes_of_twin(std::uint32_t i) const {
+        return near_axes(to_vector<T>(std::get<Cylinder>(scene_.objects[i]).axis),
+                         to_vector<T>(std::get<Cylinder>(scene_.base).axis), base_.direction);
+    }
+
 private:
     static constexpr double much = 0x1p-6;  // of what objects next to each other differ by
+
+    bool is_beside(const Object& a, const Object& b) const {
+        const double far = much * scene_.box.diagonal();
+        if (const auto* ball = std::get_if<Sphere>(&a), *other = std::get_if<Sphere>(&b); ball && other)
+            return (other->center - ball->center).norm() < far;
+        const auto *tube = std::get_if<Cylinder>(&a), *other = std::get_if<Cylinder>(&b);
+        if (!tube || !other) return false;
+        const Vec3 axis = tube->axis.stableNormalized();
+        return axis.cross(other->axis.stableNormalized()).norm() < much &&
+               axis.cross(other->point - tube->point).norm() < far;
+    }
+
+    /// The ways to p from the centre or the axis of a body, and of one like it, and what they differ by.
+    struct Ways {
+        Vector<T> to, from, apart;
+    };
+    static Ways ways_between(const Surface<T>& first, const Surface<T>& second, const Vector<T>& p,
+                             const std::optional<std::array<Vector<T>, 2>>& axes) {
+        const Vector<T> way = second.point - first.point, from = p - first.point, to = p - second.point;
+        if (!axes) return {from, to, way};
+        const auto& [turn, f] = *axes;
+        const T along = dot(first.direction, from);
+        return {from - along * first.direction, to - dot(f, to) * f,
+                way - along * turn - (dot(from, turn) + dot(way, f)) * f};
+    }
+    std::optional<Ways> ways_of_twin(std::uint32_t i, const Vector<T>& p) const {
+        if (base_.kind == Surface<T>::Kind::sphere) return ways_between(object(i), base_, p, {});
+        const auto axes = axes_of_twin(i);
+        return axes ? std::optional(ways_between(object(i), base_, p, axes)) : std::nullopt;
+    }
+    /// |a| - |b| = (a - b) (a + b) / (|a| + |b|).
+    std::optional<T> excess_of_twin(std::uint32_t i, const Vector<T>& p) const {
+        const auto ways = ways_of_twin(i, p);
+        if (!ways) return std::nullopt;
+        const T sum = sqrt(square(ways->to)) + sqrt(square(ways->from));
+        if (!(sum.lower() > 0)) return std::nullopt;
+        return dot(ways->apart, ways->to + ways->from) / sum - (object(i).radius - base_.radius);
+    }
 
     template <class F>
     auto with(std::uint32_t i, F f) const {
@@ -353,11 +416,11 @@ private:
         return surface;
     }
     static Vector<T> negative(const Vector<T>& v) { return {-v[0], -v[1], -v[2]}; }
+    static T intersection(const T& a, const T& b) {
+        return T(std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper()));
+    }
     static Vector<T> intersection(const Vector<T>& a, const Vector<T>& b) {
-        const auto both = [&](std::size_t k) {
-            return T(std::max(a[k].lower(), b[k].lower()), std::min(a[k].upper(), b[k].upper()));
-        };
-        return {both(0), both(1), both(2)};
+        return {intersection(a[0], b[0]), intersection(a[1], b[1]), intersection(a[2], b[2])};
     }
     static bool are_near(const Vector<T>& a, const Vector<T>& b) {
         return (square(a - b) - T(much) * square(a)).upper() < 0;
@@ -378,16 +441,14 @@ private:
             return difference(a, b, a - b);
         }
         const Surface<T> first = object(c.site.index), second = object(d.site.index);
-        const Vector<T> way = second.point - first.point, from = p - first.point;
-        if (first.kind == Surface<T>::Kind::sphere) return difference(from, p - second.point, way);
         if (first.kind == Surface<T>::Kind::plane) return std::nullopt;
-        const auto axes = near_axes(c, d);
-        if (!axes) return std::nullopt;
-        const auto& [turn, f] = *axes;
-        const T along = dot(first.direction, from);
-        const Vector<T> to = p - second.point;
-        return difference(from - along * first.direction, to - dot(f, to) * f,
-                          way - along * turn - (dot(from, turn) + dot(way, f)) * f);
+        std::optional<std::array<Vector<T>, 2>> axes;
+        if (first.kind == Surface<T>::Kind::cylinder) {
+            axes = near_axes(c, d);
+            if (!axes) return std::nullopt;
+        }
+        const Ways ways = ways_between(first, second, p, axes);
+        return difference(ways.to, ways.from, ways.apart);
     }
 
     /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle.
@@ -425,6 +486,7 @@ private:
     const Scene& scene_;
     Surface<T> base_;
     std::vector<Surface<T>> surfaces_;                                 // of all objects, where T is Interval
+    std::vector<std::uint32_t> twins_of_base_;                         // ascending
     mutable std::vector<std::pair<std::uint32_t, Surface<T>>> known_;  // of those asked for, elsewhere
     std::array<T, 2> stretch_;
 };

@@ -113,6 +113,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "plane_leans_by_roundings",
                              "tube_along_slab",
                              "hole_below_errors",
+                             "twin_of_base_point",
                              "cusp_beside_tube",
                              "cusp_beside_tilted_tube"}) {
         CAPTURE(name);

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "../../io/check/containment.hpp"
+#include "../../io/check/excess.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::check {
@@ -166,6 +167,67 @@ TEST_CASE("sides of planes: where a plane is no nearer than the base the signed 
         }
     }
     CHECK(told > 1000);
+}
+
+TEST_CASE("twins of the base: excess and gradient are known to a part of how far apart they are") {
+    TangentScenes r;
+    int near = 0;
+    for (int round = 0; round < 800; ++round) {
+        CAPTURE(round);
+        const double apart = std::pow(10, -3 * (1 + round / 2 % 4));
+        Scene scene = r.scene(1 + round % 2, 0);
+        scene.objects = {scene.base};
+        if (auto* ball = std::get_if<Sphere>(&scene.objects[0])) {
+            ball->center += apart * r.point();
+            if (round % 16 < 8) ball->radius += apart * 0.5;
+        } else {
+            auto& tube = std::get<Cylinder>(scene.objects[0]);
+            tube.point += apart * r.point();
+            tube.axis += apart * r.point();
+            if (round % 16 < 8) tube.axis *= -1;
+        }
+        const Space<Interval> space(scene);
+        const Space<Wide> wide(scene);
+        CHECK(space.is_twin_of_base(0));
+        const Condition c{Site::object(0)};
+        const Vec3 p = r.point(2), q = p + 1e-3 * r.point();
+        const Interval e = space.excess(c, to_vector<Interval>(p));
+        const Interval sharp = wide.excess(c, to_vector<Wide>(p)).enclosure();
+        CHECK(e.lower() <= sharp.upper());
+        CHECK(e.upper() >= sharp.lower());
+        const Vector<Interval> g = space.gradient(c, to_vector<Interval>(p));
+        const Vector<Wide> h = wide.gradient(c, to_vector<Wide>(p));
+        for (std::size_t k = 0; k < 3; ++k) {
+            CHECK(g[k].lower() <= h[k].enclosure().upper());
+            CHECK(g[k].upper() >= h[k].enclosure().lower());
+        }
+        const auto radius = [&](const Object& o) {
+            const auto* ball = std::get_if<Sphere>(&o);
+            return ball ? ball->radius : std::get<Cylinder>(o).radius;
+        };
+        Net net(1, 0, p);
+        for (std::size_t k = 0; k < 3; ++k) {
+            net.at(0, 0)[k] = 0.0;
+            net.at(1, 0)[k] = q[static_cast<Eigen::Index>(k)] - p[static_cast<Eigen::Index>(k)];
+        }
+        net.at(0, 0)[3] = net.at(1, 0)[3] = 1.0;
+        const Interval along = ExcessAlong(space, net).excess(c);
+        CHECK(along.lower() <= e.upper());
+        CHECK(along.upper() >= e.lower());
+        if (distance_in_doubles(scene.base, p) + radius(scene.base) < 0.1) continue;
+        ++near;
+        CHECK(e.radius() <= 1e-12 * apart);
+        for (const Interval& x : g) CHECK(x.radius() <= 1e-11 * apart);
+        CHECK(along.radius() <= 0.2 * apart);
+    }
+    CHECK(near > 400);
+    Scene scene;
+    scene.base = Sphere{Vec3::Zero(), 0.5};
+    scene.objects = {Sphere{Vec3(0.5, 0, 0), 0.5}, Cylinder{Vec3::Zero(), Vec3::UnitX(), 0.5}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    const Space<Interval> space(scene);
+    CHECK(!space.is_twin_of_base(0));
+    CHECK(!space.is_twin_of_base(1));
 }
 
 }  // namespace vcell::check
