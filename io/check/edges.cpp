@@ -9,6 +9,7 @@
 
 #include "../pictures/trims.hpp"
 #include "excess.hpp"
+#include "middle_planes.hpp"
 #include "tangents.hpp"
 #include "touching_spheres.hpp"
 
@@ -44,6 +45,10 @@ private:
         if (e.sites[0] == e.sites[1]) conditions_.push_back({e.sites[0]});
         const auto is_first = [&](const Condition& c) { return contains(e.sites, c.site); };
         std::ranges::stable_partition(conditions_, is_first);
+        middle_planes_.reset();
+        if (conditions_[0].site.is_object() && conditions_[1].site.is_object())
+            middle_planes_ = middle_planes(scene_.objects[conditions_[0].site.index],
+                                           scene_.objects[conditions_[1].site.index]);
 
         const Vec3 origin = e.curve.points.front().head<3>();
         std::vector<EdgePart>& parts = parts_;
@@ -197,7 +202,31 @@ private:
         if (result.found && result.found->distance <= error_) return result;
         if (const auto apart = along.excess_difference(conditions_[1], conditions_[0]))
             result.found = distance(part.net.box(), result.excesses, result.size, apart);
+        if (!middle_planes_ || !(part.net.sizes().least_weight > 0)) return result;
+        for (const MiddlePlane& plane : *middle_planes_) {
+            const auto found = distance_in(plane, part.net, result.excesses[0]);
+            if (found && !(result.found && result.found->distance <= found->distance)) result.found = found;
+        }
         return result;
+    }
+    /// As distance(), by the plane and the first site's excess: where both are 0 the second one's is, too.
+    std::optional<Reach> distance_in(const MiddlePlane& plane, const Net& net, const Interval& excess) const {
+        const Interval off = plane.over(net);
+        const double size = sqrt(square(excess) + square(off)).upper();
+        return reach(
+            [&](double margin) -> std::optional<Reach> {
+                const Interval m(-margin, margin);
+                const Vector<Interval> x{net.box()[0] + m, net.box()[1] + m, net.box()[2] + m};
+                const Vector<Interval> g = space().gradient(conditions_[0], x),
+                                       h = space().gradient(conditions_[1], x), &n = plane.normal;
+                const Interval sine = square(cross(g, n));
+                if (!(sine.lower() > 0)) return std::nullopt;
+                const double slope = sqrt(sine / (square(g) + square(n))).lower();
+                const Interval way = sqrt(square(excess * n - off * g) / sine);
+                return Reach{std::min((Interval(size) / slope).upper(), way.upper()), slope,
+                             std::min(growth_of(conditions_[0], g), growth_of(conditions_[1], h))};
+            },
+            size);
     }
     /// Are both sides of the box that meet at a right angle?
     static bool is_box_edge(const Condition& a, const Condition& b) {
@@ -279,7 +308,7 @@ private:
                 continue;
             }
             if (off_bisector(where, part.net, width)) return false;
-            if (++count > parts_allowed()) {
+            if (++count > parts_allowed(whole.size())) {
                 certificate_.leave_open(
                     where + ".curve",
                     found ? fmt::format("its sites' excesses are below {:.3g}, its error is {:.3g}", size,
@@ -301,7 +330,11 @@ private:
     /// Halvings after which gradients that are still parallel somewhere are taken to be so at a point.
     static constexpr int kTouching = 12;
 
-    std::size_t parts_allowed() const { return std::size_t{1} << std::clamp(options_.effort, 0, 40); }
+    /// Of an edge of many spans each may be divided into some.
+    std::size_t parts_allowed(std::size_t spans) const {
+        constexpr std::size_t few = 16;
+        return (std::size_t{1} << std::clamp(options_.effort, 0, 40)) * std::max(spans, few) / few;
+    }
 
     /// Refutes a curve whose end is off one of its bisectors by more than its error.
     bool off_bisector(const std::string& where, const Net& net, double width) {
@@ -372,7 +405,7 @@ private:
                         -e.upper());
                     return false;
                 }
-            if (++count > parts_allowed()) {
+            if (++count > parts_allowed(whole.size())) {
                 certificate_.leave_open(where + ".curve",
                                         fmt::format("{} may be nearer somewhere", title(task.rivals[0].site)),
                                         HUGE_VAL);
@@ -485,13 +518,14 @@ private:
     };
 
     std::vector<EdgeBound>& bounds_;
-    std::vector<Condition> conditions_;  // the two sites' first
-    double error_ = 0;                   // of the edge under judgement, those of its ends included
-    double excess_ = 0;                  // of its two sites, at most
-    double distance_ = 0;                // what was proved of it
-    std::vector<EdgePart> parts_;        // of it, one for each span
-    std::vector<Condition> rivals_;      // of the part under judgement
-    mutable double nearer_ = 0;          // how far from the boundary a site that is a little nearer leaves it
+    std::vector<Condition> conditions_;                        // the two sites' first
+    std::optional<std::array<MiddlePlane, 2>> middle_planes_;  // of its sites, if they have any
+    double error_ = 0;               // of the edge under judgement, those of its ends included
+    double excess_ = 0;              // of its two sites, at most
+    double distance_ = 0;            // what was proved of it
+    std::vector<EdgePart> parts_;    // of it, one for each span
+    std::vector<Condition> rivals_;  // of the part under judgement
+    mutable double nearer_ = 0;      // how far from the boundary a site that is a little nearer leaves it
 };
 
 }  // namespace

@@ -109,11 +109,13 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twin_lines_at_a_side",
                              "ring_of_three",
                              "ring_at_end",
-                             "twins_opposite_the_pole",
                              "plane_leans_by_roundings",
                              "tube_along_slab",
                              "hole_below_errors",
+                             "twins_opposite_the_pole",
                              "twin_of_base_point",
+                             "point_beside_line",
+                             "lines_cross_beside_tube",
                              "cusp_beside_tube",
                              "cusp_beside_tilted_tube"}) {
         CAPTURE(name);

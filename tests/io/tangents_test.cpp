@@ -11,6 +11,7 @@
 
 #include "../../io/check/containment.hpp"
 #include "../../io/check/excess.hpp"
+#include "../../io/check/middle_planes.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::check {
@@ -228,6 +229,40 @@ TEST_CASE("twins of the base: excess and gradient are known to a part of how far
     const Space<Interval> space(scene);
     CHECK(!space.is_twin_of_base(0));
     CHECK(!space.is_twin_of_base(1));
+}
+
+TEST_CASE("middle planes: tubes whose axes cross are equally near in them, and others have none") {
+    TangentScenes r;
+    std::mt19937 rng(static_cast<unsigned>(test_seed()));
+    std::uniform_int_distribution<int> whole(-3, 3);
+    const auto integers = [&] { return Vec3(whole(rng), whole(rng), whole(rng)); };
+    int crossing = 0;
+    for (int round = 0; round < 400; ++round) {
+        const Vec3 c = integers(), a = integers(), b = integers();
+        if (a.isZero() || b.isZero()) continue;
+        const Cylinder first{c + whole(rng) * a, a, 0.25}, second{c + whole(rng) * b, b, 0.25};
+        const auto planes = middle_planes(first, second);
+        CHECK(planes.has_value() == !a.cross(b).isZero());
+        CHECK(!middle_planes(first, Cylinder{second.point, b, 0.5}));
+        if (!planes) continue;
+        ++crossing;
+        const Vec3 off = second.point + 1e-14 * a.cross(b);
+        CHECK(middle_planes(first, Cylinder{off, b, 0.25}).has_value() == (off == second.point));
+        const Vec3 p = r.point(4);
+        const double difference = std::pow(distance_in_doubles(first, p) + 0.25, 2) -
+                                  std::pow(distance_in_doubles(second, p) + 0.25, 2);
+        double product = 1;
+        for (const MiddlePlane& plane : *planes) {
+            Net net(0, 0, p);
+            for (std::size_t k = 0; k < 3; ++k) net.at(0, 0)[k] = 0.0;
+            net.at(0, 0)[3] = 1.0;
+            const Interval at = plane.over(net);
+            CHECK(at.radius() < 1e-12);
+            product *= at.mid();
+        }
+        CHECK(std::abs(product - difference) < 1e-11);
+    }
+    CHECK(crossing > 200);
 }
 
 }  // namespace vcell::check
