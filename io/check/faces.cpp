@@ -314,7 +314,7 @@ private:
                                     nearer->second);
                 return false;
             }
-            if (++count > tiles_allowed()) {
+            if (++count > kMoreTiles * tiles_allowed()) {
                 certificate_.leave_open(
                     where, fmt::format("{} may be nearer somewhere", title(tile.rivals[0].condition.site)),
                     HUGE_VAL);
@@ -324,6 +324,9 @@ private:
         }
         return true;
     }
+
+    /// Beside edges of nearly parallel bisectors tiles become many, but rivals few.
+    static constexpr std::size_t kMoreTiles = 4;
 
     /// Tiles after which the patch is taken to have places where bisectors touch.
     static constexpr std::size_t kFew = 64;

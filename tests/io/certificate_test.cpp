@@ -116,6 +116,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "twin_of_base_point",
                              "point_beside_line",
                              "lines_cross_beside_tube",
+                             "needle_around_tube",
                              "cusp_beside_tube",
                              "cusp_beside_tilted_tube"}) {
         CAPTURE(name);
