@@ -51,8 +51,10 @@ struct CellEdge {
 /// One directed curve of a trimming loop, in (u, v), parametrised like the edge's space curve
 /// (reversed: the edge's space curve runs the other way, t -> domain_begin + domain_end - t).
 struct TrimCurve {
-    std::optional<std::uint32_t> edge;  ///< none: a seam piece
+    std::optional<std::uint32_t> edge;  ///< none: a seam piece, or a tip
     std::optional<std::uint32_t> seam;  ///< shared with the patch on the other side of a chart boundary
+    /// All of it is one point of the surface: a tip of the bisector with a hollow tube or cone, on its axis.
+    bool is_tip() const { return !edge && !seam; }
     bool reversed = false;
     RationalCurve2 curve;
 };

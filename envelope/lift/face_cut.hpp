@@ -6,7 +6,7 @@
 /// second parameter v grows along all such sides and between them. Boundary curves come in runs within one
 /// sector each; where one run ends in a sector's side and the next one starts in the sector beyond, the face
 /// continues along the side: such crossings come in pairs, with a seam piece between them that closes the
-/// loops of both sectors.
+/// loops of both sectors. So do lines v = const once around, where all sectors come together in a tip.
 #pragma once
 
 #include <array>

@@ -186,14 +186,15 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
 
 // ---- Around a vessel's axis -------------------------------------------------------------------------
 
-// Around a hollow tube's or cone's axis, of which the face's boundary keeps clear: others hide the tips of
-// the bisector there. A patch is about the middle of the angles that the face covers.
+// Around a hollow tube's or cone's axis, of which the face's boundary keeps clear. A patch is about the
+// middle of the angles that the face covers; one that holds a tip of the bisector has all of them there.
 void FacePatches::add_in_vessel(FaceId face) {
     const FormId form = diagram_.face_forms[face];
+    if (!tips_) tips_.emplace(RadialDiagram{problem_, diagram_}, loops_);
     const VesselAxis& axis = vessel_axes_.emplace(face, problem_.objects[form]).first->second;
     const VesselTurns turns({problem_, diagram_}, loops_, axis, face);
     patches_[face] = RadialPatch(problem_, form, axis.direction(turns.middle()), 0);
-    if (turns.is_closed() || turns.width() > widest_patch) cut(face);
+    if (turns.is_closed() || turns.width() > widest_patch || !tips(face).empty()) cut(face);
 }
 
 // ---- Around a cylinder ------------------------------------------------------------------------------

@@ -1,12 +1,14 @@
 /// Which patches the faces over a sphere or a cylinder base have. Around a cylinder a face may turn further
 /// than a patch does: then the base is divided into sectors by generators, and each has a patch of its own.
-/// So may a face of a hollow tube or cone over a sphere around the vessel's axis, and is divided about that.
+/// So may a face of a hollow tube or cone over a sphere around the vessel's axis, or hold a tip of the
+/// bisector there, and is divided about that.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,6 +47,10 @@ public:
     }
     /// The sectors of a face that is cut, once around.
     std::span<const Sector> sectors(FaceId face) const { return sectors_[face]; }
+    /// The tips that lie inside a face, over a sphere.
+    std::span<const VesselTip> tips(FaceId face) const {
+        return tips_ ? (*tips_)[face] : std::span<const VesselTip>();
+    }
     /// The sector in which a point of a face's boundary lies, which rises there with the face on its left or
     /// falls.
     std::uint32_t sector_of(FaceId face, const Vec3& p, bool rises) const;
@@ -84,6 +90,7 @@ private:
     IdVector<FaceId, RadialPatch> patches_;
     IdVector<FaceId, std::vector<Sector>> sectors_;
     std::map<FaceId, VesselAxis> vessel_axes_;  // over a sphere, of hollow tubes' and cones' faces
+    std::optional<FaceTips> tips_;              // where there are such faces
     IdVector<FaceId, bool> wide_;               // over a sphere: has the patch been changed?
     IdVector<FormId, char> is_flat_;
 };

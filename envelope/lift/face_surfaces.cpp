@@ -252,7 +252,7 @@ bool FaceSurfaces::make_cut(FaceId face) {
     roundings_[face] = 0;
     cut.is_too_wide.assign(sectors.size(), false);
     const std::uint32_t first_seam = seams_;
-    std::optional<std::vector<CutPart>> parts = cut_face(trims_.runs(face), reaches, seams_);
+    std::optional<std::vector<CutPart>> parts = cut_face(trims_.all_runs(face), reaches, seams_);
     if (!parts) {  // elsewhere the seams may be clear of its edges
         loops_.around(face, [&](EdgeId e, bool) { fits_.require_proof(e); });
         if (++cut.failures > most_failures) throw_undecided(face);

@@ -1,6 +1,7 @@
 #include "face_trims.hpp"
 
 #include "conic_trim.hpp"
+#include "joined_spans.hpp"
 
 namespace vcell::radial {
 
@@ -28,6 +29,26 @@ std::vector<std::vector<BoundaryRun>> FaceTrims::runs(FaceId face) const {
                 set_trim(curves_, patch(in), {e, reversed, first, last}, loop.back().trim.curve);
             }
         });
+    }
+    return result;
+}
+
+// v is one and the same all along. The face lies above it with u to the right, or below it with u to the
+// left.
+std::vector<std::vector<BoundaryRun>> FaceTrims::all_runs(FaceId face) const {
+    std::vector<std::vector<BoundaryRun>> result = runs(face);
+    const auto sectors = patches_.sectors(face);
+    for (const VesselTip& tip : patches_.tips(face)) {
+        std::vector<BoundaryRun>& loop = result.emplace_back();
+        const auto count = static_cast<std::uint32_t>(sectors.size());
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t at = tip.is_far ? count - 1 - i : i;
+            const double v = sectors[at].patch.parameters(tip.point()).y(),
+                         u = tip.is_far ? -sectors[at].reach() : sectors[at].reach();
+            BoundaryRun& run = loop.emplace_back(BoundaryRun{{}, at});
+            begin_joined(run.trim.curve, 1, 1);
+            run.trim.curve.points = {{-u, v, 1}, {u, v, 1}};
+        }
     }
     return result;
 }

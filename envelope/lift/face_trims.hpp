@@ -21,6 +21,9 @@ public:
     std::vector<std::vector<TrimCurve>> loops(FaceId face) const;
     /// The loops of a face that is cut, as runs of spans within one sector.
     std::vector<std::vector<BoundaryRun>> runs(FaceId face) const;
+    /// With what the face has beside its tips: lines of the sectors' parameters that are one point of space
+    /// each, along no edge and no seam.
+    std::vector<std::vector<BoundaryRun>> all_runs(FaceId face) const;
     /// Makes the trim of an edge on a patch, in the direction of its loop.
     void set(const RadialPatch& patch, EdgeId e, bool reversed, RationalCurve2& curve) const;
 

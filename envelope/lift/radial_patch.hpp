@@ -38,7 +38,8 @@
 /// is the only one that a patch lacks. Their weights are positive all over, those of control points over a
 /// wide rectangle in a higher degree only, which patch() then has. Hollow cylinders are AboutObject with
 /// delta = R + R0, and u = 0 in the direction from their axis to the face; the weight is positive all around.
-/// A face that reaches around the axis has several patches (face_patches.hpp).
+/// A face that reaches around the axis has several patches (face_patches.hpp), and so has one that holds a
+/// tip, on the axis, where v is one and the same for all u.
 ///
 /// Hollow cones likewise, with v along the wall's generators from the apex on: with half the angle's sine S
 /// and cosine K, the axis w, D = -apex, e(u) across the axis, n = S w - K e and g = K w + S e,

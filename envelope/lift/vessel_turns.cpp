@@ -2,11 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <variant>
 
 #include "../../primitives/fit/arc_equations.hpp"
+#include "../../primitives/objects/message.hpp"
+#include "../room_at.hpp"
 
 namespace vcell::radial {
 
@@ -55,6 +58,20 @@ private:
     double from_ = 0, to_ = 0, begin_ = 0, angle_ = 0;
 };
 
+// A point of an object with whose coordinates distances from it are rounded.
+Vec3 place_of(const Object& object) {
+    return std::visit(
+        []<class T>(const T& o) -> Vec3 {
+            if constexpr (requires { o.center; })
+                return o.center;
+            else if constexpr (requires { o.apex; })
+                return o.apex;
+            else
+                return o.point;
+        },
+        object);
+}
+
 }  // namespace
 
 VesselAxis::VesselAxis(const Object& vessel) {
@@ -85,6 +102,65 @@ VesselTurns::VesselTurns(const RadialDiagram& of, const FaceLoops& loops, const 
         to_ = loop.to();
         is_closed_ = loop.is_closed();
     }
+}
+
+// ---- Tips ---------------------------------------------------------------------------------------------
+
+// Which form is the nearest at a tip distances tell; which of its faces is there, if there are several, their
+// loops.
+FaceTips::FaceTips(const RadialDiagram& of, const FaceLoops& loops) {
+    const auto refuse = [&](FormId form, const VesselTip& tip) {
+        throw UndecidedError("object " + to_string(of.main_site(form)) +
+                             ": an edge of its face may run through the tip of its bisector at " +
+                             to_text(Vec3(of.problem.unit * of.problem.frame.to_world(tip.point()))));
+    };
+    std::map<FormId, std::vector<FaceId>> faces;
+    for (const FaceId face : of.diagram.face_forms.ids())
+        if (const FormId form = of.diagram.face_forms[face]; form.valid()) faces[form].push_back(face);
+    for (const auto& [form, all] : faces)
+        for (const VesselTip& tip : vessel_tips(of.problem, form)) {
+            const double room = room_at(of.problem, form, tip.point(), tip.reach - of.problem.chart.radius);
+            double size = tip.reach;
+            for (const Object& o : of.problem.objects) size = std::max(size, place_of(o).norm());
+            constexpr double rounding = 0x1p-44;  // far more than any
+            if (std::abs(room) <= rounding * size) refuse(form, tip);
+            if (room < 0) continue;
+            std::vector<FaceId> held = all;
+            if (all.size() > 1)
+                std::erase_if(held, [&](FaceId face) { return !holds(of, loops, face, tip); });
+            if (held.size() != 1) refuse(form, tip);
+            tips_[held.front()].push_back(tip);
+        }
+}
+
+// How often the loops, each with the face on its left, go round a point of the chart: once more around one of
+// the face than around the pole. From one point of the diagram to the next the straight way goes round as
+// often as the arc unless their cell holds the point.
+bool FaceTips::holds(const RadialDiagram& of, const FaceLoops& loops, FaceId face,
+                     const VesselTip& tip) const {
+    const MinimizationDiagram& diagram = of.diagram;
+    const bool has_pole = face == Dcel::unbounded_face();
+    const Vec2 place = of.problem.chart.chart_point(tip.u, tip.y);
+    if (!place.allFinite()) return has_pole;
+    double turn = 0;
+    for (const CcbId ccb : loops[face]) {
+        std::optional<Vec2> last;
+        const auto go_to = [&](const Vec2& q) {
+            const Vec2 next = q - place;
+            if (last) turn += std::atan2(last->x() * next.y() - last->y() * next.x(), last->dot(next));
+            last = next;
+        };
+        loops.around(ccb, [&](EdgeId e, bool reversed) {
+            const VertexId from = reversed ? diagram.end(e) : diagram.start(e),
+                           to = reversed ? diagram.start(e) : diagram.end(e);
+            const auto pieces = diagram.pieces(e);
+            const std::size_t count = pieces.size();
+            if (!last) go_to(from.valid() ? diagram.vertices[from].point : pieces.back().end);
+            for (std::size_t i = 0; i + 1 < count; ++i) go_to(pieces[reversed ? count - 2 - i : i].end);
+            go_to(to.valid() ? diagram.vertices[to].point : pieces.back().end);
+        });
+    }
+    return std::lround(turn / (2 * std::numbers::pi)) + (has_pole ? 1 : 0) == 1;
 }
 
 }  // namespace vcell::radial

@@ -1,11 +1,15 @@
 /// Angles about the axis of a hollow tube or cone, along the loops of its face over a sphere: how far the
-/// face reaches around the axis, and where seams may run.
+/// face reaches around the axis, and where seams may run. And which faces hold a tip, where the bisector
+/// comes to the axis.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <span>
 #include <vector>
 
+#include "../../primitives/bases/axial_terms.hpp"
 #include "based_diagram.hpp"
 #include "face_loops.hpp"
 
@@ -40,6 +44,24 @@ private:
     double from_ = 0, to_ = 0;
     bool is_closed_ = false;
     std::vector<double> of_vertices_;
+};
+
+/// The tips of bisectors that lie inside faces, over a sphere. Throws UndecidedError where another form is as
+/// near there but for rounding, and where loops of several faces do not tell which one it is.
+class FaceTips {
+public:
+    FaceTips(const RadialDiagram& of, const FaceLoops& loops);
+
+    /// By where they lie along the vessel's axis; none of other objects' faces.
+    std::span<const VesselTip> operator[](FaceId face) const {
+        const auto found = tips_.find(face);
+        return found == tips_.end() ? std::span<const VesselTip>() : found->second;
+    }
+
+private:
+    bool holds(const RadialDiagram& of, const FaceLoops& loops, FaceId face, const VesselTip& tip) const;
+
+    std::map<FaceId, std::vector<VesselTip>> tips_;
 };
 
 }  // namespace vcell::radial

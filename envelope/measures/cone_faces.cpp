@@ -54,12 +54,15 @@ ConeFace::Foot ConeFace::foot(const Ray& ray, const Point& p) const {
     }
     f.wide = norm(f.e);
     for (double& x : f.e) x /= f.wide;
+    set_level(f);
+    f.y = p.t * (K * p.along + S * dot(f.e, across));
+    return f;
+}
+void ConeFace::set_level(Foot& f) const {
     const double towards = dot(out, f.e), aside = dot(axis, cross(f.e, {out.x(), out.y(), out.z()}));
     f.nu = P - K * towards;
     f.gamma = K * h0 + S * towards;
     f.Q2 = f.nu * f.nu + aside * aside;
-    f.y = p.t * (K * p.along + S * dot(f.e, across));
-    return f;
 }
 
 // The antiderivatives in y from 0 on.
@@ -72,6 +75,27 @@ Share ConeFace::until(const Foot& f, double y) const {
                  linear = y2 / (s + Q) * (s2 + s * Q + f.Q2) / 3,
                  cube = 0.25 * y * s * s2 + 0.75 * f.Q2 * root;
     return {volume / 3, (S * linear + level * root - K * half * cube) / f.nu};
+}
+
+// The tip is at l = K h, h its distance from the apex. Sizes as in size().
+Share ConeFace::until_tip(const VesselTip& tip) const {
+    const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
+    const double l = K * (h0 + axis.dot(tip.point()));
+    const Share sum = sum_around([&](double cosine, double sine) -> Share {
+        Foot f;
+        for (int i = 0; i < 3; ++i) f.e[i] = cosine * x[i] + sine * y[i];
+        set_level(f);
+        const double end = l - f.gamma, far = std::max(std::abs(end), std::abs(first));
+        const Share after = until(f, end), before = first != 0 ? until(f, first) : Share{0, 0};
+        const double s2 = far * far + f.Q2, t = 0.5 * s2 / f.nu,
+                     wide = S * (far + std::abs(f.gamma)) + K * (rho + t);
+        const double condition = 2 * span_integrals::term_rounding * (1 + 4 * (P + K * length) / f.nu),
+                     reach = 2 * far + std::abs(l) + std::abs(f.gamma);
+        return {after.volume - before.volume, after.area - before.area, condition * reach * t * wide / 3,
+                condition * reach * wide * sqrt(s2) / f.nu};
+    });
+    const double side = tip.is_far ? 1 : -1;
+    return {side * sum.volume, side * sum.area, sum.volume_rest, sum.area_rest};
 }
 
 // With the face on its left alpha and y are counter-clockwise, as the base sees the wall from within: the

@@ -31,10 +31,10 @@ void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiag
 /// axis close it. box_area has the ends' rings around the base in it.
 ///
 /// Errors hold truncation (radial_integrals.hpp), rounding (first order, doubled) and the effect of the
-/// errors of vertices and edges. Beside edges that are no conics over a sphere truncation is estimated from
-/// two rules' difference, the gap between two bisectors from points of the edge, doubled: is_estimated says
-/// so. Lengths of conics are proven over both bases. positions: bounds on the distances of the edges' space
-/// curves from the true edges.
+/// errors of vertices and edges. Beside edges that are no conics over a sphere, and around tips, truncation
+/// is estimated from two rules' difference, the gap between two bisectors from points of the edge, doubled:
+/// is_estimated says so. Lengths of conics are proven over both bases. positions: bounds on the distances of
+/// the edges' space curves from the true edges.
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                         const IdVector<EdgeId, double>& positions, Cell& cell);
 

@@ -17,6 +17,7 @@ namespace vcell {
 namespace {
 
 using span_integrals::SpanPoint;
+using span_integrals::term_rounding;
 using namespace radial_integrals;
 using std::sqrt;
 
@@ -143,6 +144,26 @@ Share TubeFace::size(const Ray& ray) const {
     return {volume * (linear * off_angle + rounding * C * angle),
             area * (tube_area_size(size_of_K, E2, first, v) * off_angle +
                     (rounding * C * sqrt(E2 + v * v) + linear * E) * angle)};
+}
+
+// At alpha E^2 is |c|^2 + delta^2 - 2 |c| delta cos alpha, of which no term is less than 0. Sizes are those
+// of terms, times the condition of q.
+Share TubeFace::until_tip(const VesselTip& tip) const {
+    const double end = (tip.is_far ? 1 : -1) * sqrt(-K), most = std::max(std::abs(first), std::abs(end)),
+                 size_of_K = std::abs(K);
+    const Share sum = sum_around([&](double cosine, double) -> Share {
+        const double q = length * cosine - delta, half = 0.5 / q,
+                     E2 = length * length + delta * delta - 2 * length * delta * cosine;
+        const double linear = end * (K + end * end / 3) - first * (K + first * first / 3);
+        const double volume = half * (half * tube_square(K, first, end) - delta * linear) / 3,
+                     area = 2 * half * half * tube_area(K, E2, first, end);
+        const double condition = 2 * term_rounding * (1 + (length + std::abs(delta)) / q),
+                     reach = (size_of_K + most * most) * 2 * most;
+        return {volume, area, condition * half * (half * (size_of_K + most * most) + std::abs(delta)) * reach,
+                condition * 2 * half * half * reach * sqrt(E2 + most * most)};
+    });
+    const double side = tip.is_far ? -1 : 1;  // dV and dS are less than 0
+    return {side * sum.volume, side * sum.area, sum.volume_rest, sum.area_rest};
 }
 
 // ---- Over a cylinder, no root ------------------------------------------------------------------------

@@ -57,6 +57,10 @@
 ///
 /// as the part of the surface parallel to the wall is W d alpha dy, and 1 - u.n = nu / t: elementary in y.
 ///
+/// *Tips* of hollow tubes and cones over a sphere, on the axis: v and l are the same there for all alpha. A
+/// face that holds one has, besides the integrals along its edges, that of the same integrand from there all
+/// around, by the trapezoidal rule, which converges geometrically for periodic functions.
+///
 /// *Over a cylinder, unless axes are skew.* t = C(y) / (2 beta(w)), so with beta' the derivative by the angle
 ///
 ///     dV = C^2 / (8 beta^2) d theta dy,   dS = C / (2 beta^2) sqrt(beta^2 + beta'^2 + C'^2 / 4) d theta dy,
@@ -81,6 +85,7 @@
 #include <span>
 #include <variant>
 
+#include "../../primitives/bases/axial_terms.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/charts/chart.hpp"
 #include "mixed_integrals.hpp"
@@ -164,8 +169,6 @@ struct Around {
 
 /// Cylinders over a sphere; hollow ones with delta = -R - R0. Then K, r = t + delta and the root have the
 /// other sign, and so have dV and dS; but the base sees these faces from their other side.
-///
-/// Pre: no face of a hollow one has a point on the axis.
 struct TubeFace {
     Vec3 axis, foot;          ///< d, c
     double length, delta, K;  ///< length: |c|
@@ -174,6 +177,10 @@ struct TubeFace {
 
     TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const { return 0.5 * std::abs(side * length - delta); }
+    /// Of a hollow one: what lies between the place where integrals start and the tip, all around the axis. A
+    /// face that holds the tip has it besides what its edges add up to. Truncation is estimated from two
+    /// rules, rounding is to first order, doubled.
+    Share until_tip(const VesselTip& tip) const;
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
@@ -186,7 +193,7 @@ private:
     Point point(const Ray& ray) const;
 };
 
-/// Hollow cones over a sphere. Pre: no face has a point on the axis.
+/// Hollow cones over a sphere.
 struct ConeFace {
     Vec3 axis, out;  ///< w, m
     double S, K, rho, h0, P;
@@ -196,6 +203,8 @@ struct ConeFace {
 
     ConeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const;
+    /// As of a TubeFace.
+    Share until_tip(const VesselTip& tip) const;
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
@@ -209,6 +218,7 @@ private:
     struct Foot;
     Point point(const Ray& ray) const;
     Foot foot(const Ray& ray, const Point& p) const;
+    void set_level(Foot& f) const;
     Share until(const Foot& f, double y) const;
 };
 

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
-#include "../object_distance.hpp"
+#include "../lift/face_loops.hpp"
+#include "../lift/vessel_turns.hpp"
+#include "../room_at.hpp"
 #include "radial_integrals.hpp"
 #include "solid_angle.hpp"
 
@@ -30,6 +32,41 @@ const radial_integrals::RoundFace* as_closed(const RadialFace& face) {
     return round != nullptr && round->is_closed() ? round : nullptr;
 }
 
+// Where rays from a base's centre or axis and from a vessel's wall meet head on. Over a generator of a tube
+// along the base, or all around it, they are many, or edges have them, too. Pre: over a ball, a hollow
+// sphere.
+std::vector<Vec3> places_head_on(const Object& vessel, const BaseChart& chart) {
+    const double R0 = chart.radius;
+    if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
+        const Vec3 c = ball->center, away(c.x(), chart.across(c.y()), c.z());
+        const double off = away.norm(), t = 0.5 * (ball->radius + R0 + off);
+        const Vec3 u = off > 0 ? Vec3(away / off) : Vec3::UnitX().eval();
+        return {c - away + t * u};
+    }
+    const auto* cone = std::get_if<HollowCone>(&vessel);
+    const auto* tube = std::get_if<HollowCylinder>(&vessel);
+    const Vec3 w = (cone != nullptr ? cone->axis : tube->axis).stableNormalized(),
+               point = cone != nullptr ? cone->apex : tube->point;
+    const double S = cone != nullptr ? cone->sine() : 0, K = cone != nullptr ? cone->cosine() : 1,
+                 across = std::hypot(w.x(), w.z()), cosine = across > 0 ? S * w.y() / (K * across) : 2;
+    if (!(std::abs(cosine) < 1)) return {};
+    // The wall's generator beside the place is along w and e from the axis; the plane that touches there
+    // is along the base.
+    std::vector<Vec3> places;
+    const Vec3 toward = (Vec3::UnitY() - w.y() * w) / across, aside = w.cross(toward);
+    for (const double side : {-1.0, 1.0}) {
+        const Vec3 e = cosine * toward + side * std::sqrt(1 - cosine * cosine) * aside, out = K * e - S * w,
+                   beside = w.cross(e);
+        const Vec3 direction = Vec3(out.x(), 0, out.z()).normalized();
+        const double y = point.dot(beside) / beside.y();
+        const Vec3 from(0, y, 0);
+        const double own = tube != nullptr ? tube->radius : 0, t = 0.5 * (own - out.dot(from - point) + R0);
+        const Vec3 p = from + t * direction;
+        if (std::isfinite(y) && (p - point).dot(e) > 0) places.push_back(p);
+    }
+    return places;
+}
+
 class RadialMeasurer {
 public:
     RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
@@ -46,6 +83,7 @@ public:
         for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
         add_solid_angles();
         add_poles();
+        add_tips();
         Measures& m = cell_.measures;
         for (std::size_t i = 0; i < areas_.size(); ++i) {
             // A face thinner than the spacing of doubles may come out below zero by its rounding.
@@ -152,7 +190,7 @@ private:
             }
             // But over a floor it counts only where the cell is there.
             const Vec3 place = nearest_place(problem_.objects[form], least);
-            const double room = room_at(form, place, least - problem_.chart.radius),
+            const double room = room_at(problem_, form, place, least - problem_.chart.radius),
                          unsure = 64 * (error + u * place.norm());
             if (room > unsure)
                 add_distance(least, least, error);
@@ -204,13 +242,13 @@ private:
     // The bisector with a vessel is farthest from the base's centre or axis where the rays from that and from
     // the wall meet head on: nothing later on has the place unless an edge runs through it.
     void add_farthest(FormId form) {
-        for (const Vec3& p : places_head_on(problem_.objects[form])) {
+        for (const Vec3& p : farthest_places(form)) {
             const double t = from_base(p).norm(),
                          error = 16 * u * (t + p.norm() + reach(problem_.objects[form])),
                          height = problem_.chart.along(p.y()),
                          room = height < problem_.stretch[0] || height > problem_.stretch[1]
                                     ? -infinity
-                                    : room_at(form, p, t - problem_.chart.radius);
+                                    : room_at(problem_, form, p, t - problem_.chart.radius);
             if (room > 4 * error)
                 add_distance(t, t, error);
             else if (room >= -4 * error)
@@ -219,60 +257,16 @@ private:
     }
     // From the base's centre or axis.
     Vec3 from_base(const Vec3& p) const { return {p.x(), problem_.chart.across(p.y()), p.z()}; }
-    // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too;
-    // around a ball those of tubes and cones are on the vessel's axis.
-    std::vector<Vec3> places_head_on(const Object& vessel) const {
-        const double R0 = problem_.chart.radius;
-        if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
-            const Vec3 c = ball->center, away = from_base(c);
-            const double off = away.norm(), t = 0.5 * (ball->radius + R0 + off);
-            const Vec3 u = off > 0 ? Vec3(away / off) : Vec3::UnitX().eval();
-            return {c - away + t * u};
-        }
-        if (!problem_.family.forms.empty()) return {};
-        const auto* cone = std::get_if<HollowCone>(&vessel);
-        const auto* tube = std::get_if<HollowCylinder>(&vessel);
-        const Vec3 w = (cone != nullptr ? cone->axis : tube->axis).stableNormalized(),
-                   point = cone != nullptr ? cone->apex : tube->point;
-        const double S = cone != nullptr ? cone->sine() : 0, K = cone != nullptr ? cone->cosine() : 1,
-                     across = std::hypot(w.x(), w.z()), cosine = across > 0 ? S * w.y() / (K * across) : 2;
-        if (!(std::abs(cosine) < 1)) return {};
-        // The wall's generator beside the place is along w and e from the axis; the plane that touches there
-        // is along the base.
+    // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too. At
+    // a tip the bisector has no tangent plane; around a ball only those are far from it in a tube or cone.
+    std::vector<Vec3> farthest_places(FormId form) const {
+        const Object& vessel = problem_.objects[form];
         std::vector<Vec3> places;
-        const Vec3 toward = (Vec3::UnitY() - w.y() * w) / across, aside = w.cross(toward);
-        for (const double side : {-1.0, 1.0}) {
-            const Vec3 e = cosine * toward + side * std::sqrt(1 - cosine * cosine) * aside,
-                       out = K * e - S * w, beside = w.cross(e);
-            const Vec3 direction = Vec3(out.x(), 0, out.z()).normalized();
-            const double y = point.dot(beside) / beside.y();
-            const Vec3 from(0, y, 0);
-            const double own = tube != nullptr ? tube->radius : 0,
-                         t = 0.5 * (own - out.dot(from - point) + R0);
-            const Vec3 p = from + t * direction;
-            if (std::isfinite(y) && (p - point).dot(e) > 0) places.push_back(p);
-        }
+        if (problem_.family.forms.empty() || std::holds_alternative<HollowSphere>(vessel))
+            places = places_head_on(vessel, problem_.chart);
+        for (const VesselTip& tip : vessel_tips(problem_, form)) places.push_back(tip.point());
         return places;
     }
-
-    // How far a point of a form's bisector is inside the sides of the box, those of the floor among them, and
-    // by how much other objects are farther than the base, at the clearance given: whichever is less.
-    double room_at(FormId own, const Vec3& p, double clearance) const {
-        double room = std::numeric_limits<double>::infinity();
-        for (const FormId f : problem_.objects.ids()) {
-            if (f == own) continue;
-            const Object& object = problem_.objects[f];
-            if (problem_.sites[f].front().is_object()) {
-                room = std::min(room, distance_from(object, p) - clearance);
-                continue;
-            }
-            const double beyond = signed_distance_from(object, p);
-            room = std::min(room,
-                            std::ranges::find(problem_.floor, f) != problem_.floor.end() ? beyond : -beyond);
-        }
-        return room;
-    }
-
     std::uint32_t face(EdgeId e, unsigned side) const {
         return cell_faces_[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
     }
@@ -383,6 +377,32 @@ private:
             areas_[f].add(angle * mean.area, unsure * mean.area);
             volume_.add(angle * mean.volume, unsure * mean.volume);
         }
+    }
+
+    // Around a sphere: what a face has around tips of the bisector within it. There the bisector is farthest.
+    void add_tips() {
+        const auto tip_face = [&](std::uint32_t f, auto&& use) {
+            if (const auto* tube = std::get_if<radial_integrals::TubeFace>(&faces_[f])) use(*tube);
+            if (const auto* cone = std::get_if<radial_integrals::ConeFace>(&faces_[f])) use(*cone);
+        };
+        bool may_have = false;
+        for (std::uint32_t f = 0; f < faces_.size(); ++f) tip_face(f, [&](const auto&) { may_have = true; });
+        if (!may_have) return;
+        const RadialDiagram of{problem_, diagram_};
+        const FaceLoops loops(diagram_);
+        const radial::FaceTips tips(of, loops);
+        for (const FaceId face : diagram_.face_forms.ids())
+            for (const VesselTip& tip : tips[face]) {
+                const std::uint32_t f = cell_faces_[face.value];
+                tip_face(f, [&](const auto& surface) {
+                    const radial_integrals::Share share = surface.until_tip(tip);
+                    areas_[f].add(share.area, share.area_rest);
+                    volume_.add(share.volume, share.volume_rest);
+                });
+                cell_.faces[f].is_estimated = true;
+                add_distance(tip.reach, tip.reach,
+                             32 * u * (tip.reach + reach(problem_.objects[diagram_.face_forms[face]])));
+            }
     }
 
     // Of the point that an axis or a plane runs through: projections of it are rounded. A ball's power is

@@ -32,9 +32,16 @@ public:
     }
 
 private:
+    // In a tip, where u moves nothing, it is that beside the tip.
     Vec3 normal(const Vec2& p) const {
         const auto [du, dv] = surface_.partials(p.x(), p.y());
-        return du.cross(dv).stableNormalized();
+        const Vec3 n = du.cross(dv);
+        constexpr double next_to_nothing = 0x1p-40, aside = 0x1p-10;
+        if (du.norm() > next_to_nothing * dv.norm()) return n.stableNormalized();
+        const double middle = 0.5 * (surface_.domain_v[0] + surface_.domain_v[1]),
+                     beside = p.y() + aside * (middle - p.y());
+        const auto [du2, dv2] = surface_.partials(p.x(), beside);
+        return du2.cross(dv2).stableNormalized();
     }
     bool is_over(const Triangle& v) const {
         const Vec3 &a = places_[v[0]], &b = places_[v[1]], &c = places_[v[2]];

@@ -17,6 +17,7 @@
 #include "lone_points.hpp"
 #include "mesh_shape.hpp"
 #include "polygons.hpp"
+#include "sampled_line.hpp"
 #include "trims.hpp"
 
 namespace vcell {
@@ -24,36 +25,6 @@ namespace vcell {
 namespace {
 
 constexpr std::uint32_t none = UINT32_MAX;
-
-/// A cell edge or a seam as a polyline: parameters, ends included, and mesh points. A seam has those of the
-/// first trimming curve along it; the other one runs against it.
-struct SampledLine {
-    std::vector<double> parameters;
-    std::vector<std::uint32_t> points;
-    // Where the first and last point of a closed line is, if not where the curve begins.
-    std::optional<double> closing_parameter;
-};
-
-// A line has a point at each break: the nearest one, or where that stands for another break or an end, this
-// point once more.
-void break_up(SampledLine& s, const std::vector<double>& breaks) {
-    std::vector<bool> is_break(s.points.size(), false);
-    is_break.front() = is_break.back() = true;
-    for (std::size_t k = 1; k + 1 < breaks.size(); ++k) {
-        const double at = breaks[k];
-        auto i = std::ranges::lower_bound(s.parameters, at) - s.parameters.begin();
-        if (at - s.parameters[i - 1] < s.parameters[i] - at) --i;
-        if (!is_break[i]) {
-            s.parameters[i] = at;
-            is_break[i] = true;
-            continue;
-        }
-        const auto place = s.parameters[i] < at ? i + 1 : i;
-        s.points.insert(s.points.begin() + place, s.points[i]);
-        s.parameters.insert(s.parameters.begin() + place, at);
-        is_break.insert(is_break.begin() + place, true);
-    }
-}
 
 // Lines with sides that cross others of one face.
 void find_crossings(const std::vector<std::vector<LoopPoint>>& polygons, std::vector<bool>& coarse) {
@@ -110,6 +81,11 @@ Chords chords_of(const Shell& shell, double most, double of_own) {
     return chords;
 }
 
+// A triangle with a side that is one point has no extent.
+bool is_side_at_tip(const Triangle& v, const std::vector<std::uint32_t>& point) {
+    return point[v[0]] == point[v[1]] || point[v[1]] == point[v[2]] || point[v[2]] == point[v[0]];
+}
+
 class Tessellator {
 public:
     /// mesh() throws TooFine when it has more than `most_triangles`, and if `keeps_chord` where 4096 pieces
@@ -130,7 +106,11 @@ public:
             lines_[e].chord = chords.of_edges[e];
         }
         for_each_curve([&](const TrimCurve& c, const RationalPatch& s, double chord, bool is_loop) {
-            if (!c.edge && !c.seam) throw InternalError("tessellate: a trimming curve along nothing");
+            if (c.is_tip()) {
+                tips_.emplace(&c, static_cast<std::uint32_t>(lines_.size()));
+                lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, around_tip, chord});
+                return;
+            }
             if (c.seam) {
                 const auto [at, is_new] =
                     seams_.try_emplace(*c.seam, static_cast<std::uint32_t>(lines_.size()));
@@ -188,7 +168,7 @@ private:
         const RationalPatch* patch;
         double chord;
     };
-    /// A cell edge (those come first) or a seam.
+    /// A cell edge (those come first), a seam, or what of a patch's boundary is one point, a tip.
     struct Line {
         std::vector<Use> uses;
         std::vector<double> breaks;  // where trimming curves begin and end: points of every polyline
@@ -235,17 +215,21 @@ private:
                             f(c, patch.surface, chords_.of_faces[i], loop.size() == 1);
     }
 
-    std::uint32_t line_of(const TrimCurve& c) const { return c.edge ? *c.edge : seams_.at(*c.seam); }
+    std::uint32_t line_of(const TrimCurve& c) const {
+        return c.edge ? *c.edge : c.seam ? seams_.at(*c.seam) : tips_.at(&c);
+    }
 
     // The line's parameter at t of a trimming curve along it, and the other way round. Along a seam the two
     // run against each other, whatever their domains.
     double line_parameter(const TrimCurve& c, double t) const {
+        if (c.is_tip()) return t;
         if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
         const TrimCurve& first = *seam_leader(c);
         if (&first == &c) return t;
         return mirrored(c.curve, first.curve, t);
     }
     double trim_parameter(const TrimCurve& c, double t) const {
+        if (c.is_tip()) return t;
         if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
         const TrimCurve& first = *seam_leader(c);
         if (&first == &c) return t;
@@ -255,27 +239,12 @@ private:
         const Line& line = lines_[seams_.at(*c.seam)];
         return line.uses.empty() ? &c : line.uses.front().curve;
     }
-    static double mirrored(const RationalCurve2& from, const RationalCurve2& to, double t) {
-        const double s = (t - from.domain_begin()) / (from.domain_end() - from.domain_begin());
-        return s <= 0   ? to.domain_end()
-               : s >= 1 ? to.domain_begin()
-                        : to.domain_end() - s * (to.domain_end() - to.domain_begin());
-    }
-
-    // In order; those that mean the same place differ by their rounding.
-    static void settle_breaks(std::vector<double>& breaks) {
-        std::sort(breaks.begin(), breaks.end());
-        const double apart = break_rounding * (breaks.back() - breaks.front());
-        std::vector<double> settled;
-        for (const double t : breaks)
-            if (settled.empty() || t - settled.back() > apart) settled.push_back(t);
-        settled.back() = breaks.back();
-        breaks = std::move(settled);
-    }
 
     // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
     // points of its own beside its ends, whatever the chord. A seam has them only where it is a loop.
     static constexpr std::size_t least_around = 8;
+    // Into so many parts each of a tip's sides is divided in the parameters.
+    static constexpr std::size_t around_tip = 4;
     static std::size_t first_pieces(const CellEdge& e) {
         if (e.vertices.empty()) return least_around;
         return e.kind == CurveKind::Line ? 1 : 2;
@@ -366,10 +335,29 @@ private:
             if (mesh_.points.size() > most_triangles_) throw TooFine();
         }
         for (std::size_t f = 0; f < shell_.faces.size(); ++f)
-            if (!is_known_face(f))
+            if (!is_known_face(f)) {
+                sample_tips(shell_.faces[f]);
                 for (const TrimmedPatch& patch : shell_.faces[f].patches)
                     for (const auto& loop : patch.loops)
                         for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
+            }
+    }
+
+    // A face has two tips at most, below which it lies in the parameters and above which: all patches share
+    // each.
+    void sample_tips(const CellFace& face) {
+        std::array<std::uint32_t, 2> points{none, none};
+        for (const TrimmedPatch& patch : face.patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& c : loop) {
+                    if (!c.is_tip()) continue;
+                    const Vec2 from = c.curve.evaluate(c.curve.domain_begin()),
+                               to = c.curve.evaluate(c.curve.domain_end());
+                    std::uint32_t& point = points[to.x() > from.x()];
+                    if (point == none) point = add_point(patch.surface.evaluate(from.x(), from.y()));
+                    SampledLine& s = sampled_[line_of(c)];
+                    s.points.assign(s.parameters.size(), point);
+                }
     }
 
     void sample_edge(std::size_t i) {
@@ -386,14 +374,15 @@ private:
         }
     }
 
-    // A seam runs from edge to edge, and shares their points, or alone around a face that has no edge there.
+    // A seam runs from edge to edge, or from or to a tip, and shares their points, or alone around a face
+    // that has no edge there.
     void sample_seam(const std::vector<TrimCurve>& loop, std::size_t i, const RationalPatch& surface) {
         const TrimCurve& c = loop[i];
         if (!c.seam || seam_leader(c) != &c) return;
         const bool is_loop = loop.size() == 1;
         const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
                         &after = loop[(i + 1) % loop.size()];
-        if (!is_loop && (!before.edge || !after.edge)) throw InternalError("tessellate: seams that meet");
+        if (!is_loop && (before.seam || after.seam)) throw InternalError("tessellate: seams that meet");
         SampledLine& s = sampled_[line_of(c)];
         const auto add = [&](double t) {
             const Vec2 uv = c.curve.evaluate(t);
@@ -432,13 +421,14 @@ private:
         return result;
     }
 
-    // A trimming loop as a polygon. Of points of a known line that stand for several breaks it has one.
+    // A trimming loop as a polygon. Of points of a known line that stand for several breaks it has one; a tip
+    // is one point in several places of the parameters.
     std::vector<LoopPoint> polygon(const std::vector<TrimCurve>& loop) const {
         std::vector<LoopPoint> result;
         for (const TrimCurve& c : loop) {
             const std::vector<LoopPoint> points = polyline(c);
             for (std::size_t i = 0; i + 1 < points.size(); ++i)
-                if (points[i].point != points[i + 1].point) result.push_back(points[i]);
+                if (c.is_tip() || points[i].point != points[i + 1].point) result.push_back(points[i]);
         }
         return result;
     }
@@ -502,18 +492,17 @@ private:
         for (Vec2& p : t.points) p = back * p;
         const PlacedPoints placed = place_without_folds(s, places_of(point), t);
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
+        const bool has_tip = std::ranges::any_of(
+            patch.loops, [](const auto& loop) { return std::ranges::any_of(loop, &TrimCurve::is_tip); });
         for (std::size_t i = point.size(); i < placed.places.size(); ++i)
             point.push_back(add_point(placed.places[i]));
         mesh_.normals.insert(mesh_.normals.end(), placed.normals.begin(), placed.normals.end());
         for (const Triangle& v : t.triangles) {
+            if (has_tip && is_side_at_tip(v, point)) continue;
             mesh_.triangles.push_back({point[v[0]], point[v[1]], point[v[2]]});
             mesh_.corner_normals.push_back({first_normal + v[0], first_normal + v[1], first_normal + v[2]});
         }
     }
-
-    // Of a line's parameters, against its length: places that trimming curves of one line share were rounded
-    // on the way from one to the other.
-    static constexpr double break_rounding = 1e-12;
 
     const Shell& shell_;
     const Cell& cell_;
@@ -521,8 +510,9 @@ private:
     const Chords& chords_;
     bool keeps_chord_;
     std::size_t most_triangles_;
-    std::vector<Line> lines_;                                 // edges, then seams
+    std::vector<Line> lines_;                                 // edges, then seams and tips
     std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> line
+    std::unordered_map<const TrimCurve*, std::uint32_t> tips_;
     std::vector<SampledLine> sampled_;
     CellMesh mesh_;
 };

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 #include "../../core/curves/restricted_curve.hpp"
 #include "../../core/curves/reversed_curve.hpp"
@@ -212,8 +214,8 @@ private:
             for (std::size_t i = 0; i < loop.size(); ++i)
                 if (loop[i].edge)
                     add_parts(loop[i], face.loops.back());
-                else
-                    face.loops.back().push_back(along_seam(loop, i, patch.surface));
+                else if (loop[i].seam)
+                    face.loops.back().push_back(along_seam(f, loop, i, patch.surface));
         }
         solid_.faces.push_back(std::move(face));
     }
@@ -246,7 +248,8 @@ private:
     }
 
     // A seam's curve in space is that of the first patch along it.
-    Solid::Use along_seam(const std::vector<TrimCurve>& loop, std::size_t i, const RationalPatch& surface) {
+    Solid::Use along_seam(std::uint32_t f, const std::vector<TrimCurve>& loop, std::size_t i,
+                          const RationalPatch& surface) {
         const TrimCurve& c = loop[i];
         const auto known = seams_.find(c.seam.value());
         if (known != seams_.end()) {
@@ -258,7 +261,7 @@ private:
         }
         const auto e = static_cast<std::uint32_t>(solid_.edges.size());
         RationalCurve3 curve = image(surface, c.curve);
-        solid_.edges.push_back({seam_ends(loop, i, curve), std::move(curve)});
+        solid_.edges.push_back({seam_ends(f, loop, i, curve), std::move(curve)});
         const Solid::Edge& seam = solid_.edges.back();
         note(solid_.vertices[seam.vertices[0]], seam.curve.evaluate(seam.curve.domain_begin()));
         note(solid_.vertices[seam.vertices[1]], seam.curve.evaluate(seam.curve.domain_end()));
@@ -267,8 +270,8 @@ private:
         return {e, false, c.curve};
     }
 
-    // A seam runs from edge to edge, or alone around a face that has no edge there.
-    std::array<std::uint32_t, 2> seam_ends(const std::vector<TrimCurve>& loop, std::size_t i,
+    // A seam runs from edge to edge, or from or to a tip, or alone around a face that has no edge there.
+    std::array<std::uint32_t, 2> seam_ends(std::uint32_t f, const std::vector<TrimCurve>& loop, std::size_t i,
                                            const RationalCurve3& curve) {
         if (loop.size() == 1) {
             const std::uint32_t v = add_vertex(curve.evaluate(curve.domain_begin()));
@@ -276,9 +279,20 @@ private:
         }
         const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
                         &after = loop[(i + 1) % loop.size()];
-        if (!before.edge || !after.edge) throw InternalError("solid_of: seams that meet");
-        return {cuts_[*before.edge].vertices[place(before)[before.reversed ? 0 : 1]],
-                cuts_[*after.edge].vertices[place(after)[after.reversed ? 1 : 0]]};
+        if (before.seam || after.seam) throw InternalError("solid_of: seams that meet");
+        return {before.edge ? cuts_[*before.edge].vertices[place(before)[before.reversed ? 0 : 1]]
+                            : tip(f, before, curve.evaluate(curve.domain_begin())),
+                after.edge ? cuts_[*after.edge].vertices[place(after)[after.reversed ? 1 : 0]]
+                           : tip(f, after, curve.evaluate(curve.domain_end()))};
+    }
+
+    // A face has two at most: one that it lies above in its patches' parameters, and one that it lies below.
+    std::uint32_t tip(std::uint32_t f, const TrimCurve& c, const Vec3& p) {
+        const bool is_below =
+            c.curve.evaluate(c.curve.domain_begin()).x() < c.curve.evaluate(c.curve.domain_end()).x();
+        const auto [at, is_new] = tips_.try_emplace({f, is_below}, 0);
+        if (is_new) at->second = add_vertex(p);
+        return at->second;
     }
 
     void note_along(const RationalCurve3& curve, const RationalCurve2& trim, const RationalPatch& surface) {
@@ -395,7 +409,8 @@ private:
     double shortest_;
     std::vector<Cuts> cuts_;
     std::vector<bool> is_used_;  // what parts that are joined have left over is not
-    std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> edge
+    std::unordered_map<std::uint32_t, std::uint32_t> seams_;        // number -> edge
+    std::map<std::pair<std::uint32_t, bool>, std::uint32_t> tips_;  // face, and the side of the tip -> vertex
     Solid solid_;
 };
 

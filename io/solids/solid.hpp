@@ -12,6 +12,8 @@ namespace vcell {
 
 struct Solid {
     /// A part of an edge of the shell between seams, or a seam. A closed one starts and ends in one vertex.
+    /// Where seams come together in a tip of the surface, a vertex of the solid, its patches have a side that
+    /// is one point: loops have a gap there in the parameters, and no edge.
     struct Edge {
         std::array<std::uint32_t, 2> vertices;  ///< start and end of the curve
         RationalCurve3 curve;

@@ -1,7 +1,9 @@
 #include "axial_terms.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "../objects/exact_space.hpp"
@@ -17,7 +19,6 @@ constexpr double never = std::numeric_limits<double>::infinity();
 AxialTerms::AxialTerms(const RadialBaseProblem& problem, FormId form, double at) : start(at) {
     const RadialForm& f = problem.family.radial_form(form);
     has_root = f.has_root();
-    is_hollow = f.is_hollow;
     const Exact y(at), along_axis = y * f.slope;
     // Exact about the new start. What y adds to B is a multiple of A, which has a constant part in a cone.
     const std::array<Exact, 3> terms{f.c[0] + y * (f.c[1] + y * f.c[2]), f.c[1] + 2.0 * y * f.c[2], f.c[2]};
@@ -39,23 +40,16 @@ AxialTerms::AxialTerms(const RadialBaseProblem& problem, FormId form, double at)
     slope = has_root ? slope_there / unit : 0;
 }
 
-double AxialTerms::nearness(const Vec3& u, double y) const {
-    const double C = c[0] + y * (c[1] + y * c[2]), A = a.dot(u) + a0, B = b.dot(u) + b0 + slope * y * A;
-    if (!has_root) return 2 * B / C;
-    const double root = std::sqrt(std::max(0.0, B * B + (is_hollow ? -1 : 1) * A * A * C));
-    return !is_hollow && B < 0 ? A * A / (root - B) : (B + root) / C;
-}
-
-// A point of the vessel's axis h from its point or apex is q + h a away from the base's axis, across that,
-// and is to be S h + R0 + R away, R = 0 in a cone: (|a|^2 - S^2) h^2 + 2 (q.a - S (R0 + R)) h + |q|^2 - (R0 +
-// R)^2 = 0.
+// A point of the vessel's axis h from its point or apex is q + h a away from the base's centre, or across its
+// axis, and is to be S h + R0 + R away, R = 0 in a cone: (|a|^2 - S^2) h^2 + 2 (q.a - S (R0 + R)) h + |q|^2 -
+// (R0 + R)^2 = 0. A tube's point may be any of its axis, and is the one nearest to the canonical origin.
 std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
     Vec3 point, axis;
     double sine = 0, reach = problem.chart.radius;
     if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
-        point = tube->point;
         axis = tube->axis.stableNormalized();
+        point = tube->point - axis.dot(tube->point) * axis;
         reach += tube->radius;
     } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
         point = cone->apex;
@@ -64,18 +58,21 @@ std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form
     } else {
         return {};
     }
-    const Vec3 q(point.x(), 0, point.z()), a(axis.x(), 0, axis.z());
+    const double along = problem.chart.is_cylinder() ? 0 : 1;
+    const Vec3 q(point.x(), along * point.y(), point.z()), a(axis.x(), along * axis.y(), axis.z());
     const double squared = (a.norm() - sine) * (a.norm() + sine), half = q.dot(a) - sine * reach,
                  rest = (q.norm() - reach) * (q.norm() + reach), discriminant = half * half - squared * rest;
     if (!(discriminant >= 0) || (squared == 0 && half == 0)) return {};
     // Without cancellation.
     const double sum = half < 0 ? half - std::sqrt(discriminant) : half + std::sqrt(discriminant);
+    std::array<double, 2> both{squared != 0 ? -sum / squared : never, sum != 0 ? -rest / sum : never};
+    if (both[1] < both[0]) std::swap(both[0], both[1]);
     std::vector<VesselTip> tips;
-    for (const double h : {squared != 0 ? -sum / squared : never, sum != 0 ? -rest / sum : never}) {
+    for (const double h : both) {
         const double far = sine * h + reach;
         const Vec3 out = q + h * a;
         if (std::isfinite(far) && far > 0 && (sine == 0 || h > 0) && out.norm() > 0)
-            tips.push_back({point.y() + h * axis.y(), far, out.normalized()});
+            tips.push_back({(1 - along) * (point.y() + h * axis.y()), far, out.normalized(), h == both[1]});
     }
     return tips;
 }

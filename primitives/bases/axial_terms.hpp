@@ -1,5 +1,5 @@
-/// The height over a cylinder base in doubles, canonical, about a place along the axis: what is asked of its
-/// numbers where nothing is decided.
+/// The height over a cylinder base in doubles, canonical, about a place along the axis, and tips of
+/// bisectors: what is asked of a form's numbers where nothing is decided.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,24 +22,27 @@ struct AxialTerms {
     std::array<double, 3> c;
     Vec3 b, a;
     double b0, a0, slope, start;
-    bool has_root, is_hollow;
+    bool has_root;
 
     /// Pre: over a cylinder.
     AxialTerms(const RadialBaseProblem& problem, FormId form, double start);
 
     /// The cosine of half a hollow cone's angle, 1 of tubes.
     double spread() const { return std::sqrt((1 - a0) * (1 + a0)); }
-
-    /// 1 / t in the direction u at a height from `start`; not above 0 where the object is not met.
-    double nearness(const Vec3& u, double y) const;
 };
 
 /// Where a hollow tube's or cone's axis is as far from the base as from its own wall, the bisector comes to a
-/// tip: over the axis's point at y, canonical, in the direction u, `reach` away from the base's axis. None
-/// for other objects, and tubes along the base. Pre: over a cylinder.
+/// tip: in the direction u, `reach` away from the base's centre or axis; over a cylinder, over the axis's
+/// point at y, canonical. There the distance along the base's normals is continuous, but has no derivative.
+/// `is_far`: it is the one of both that lies farther along the vessel's own axis. None for other objects, and
+/// tubes along the base. To some roundings. Pre: over a sphere or a cylinder.
 struct VesselTip {
     double y, reach;
     Vec3 u;
+    bool is_far;
+
+    /// Canonical.
+    Vec3 point() const { return Vec3(0, y, 0) + reach * u; }
 };
 std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form);
 

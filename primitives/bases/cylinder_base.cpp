@@ -13,7 +13,6 @@
 
 #include "../forms/axial_ties.hpp"
 #include "../objects/message.hpp"
-#include "axial_terms.hpp"
 #include "cylinder_forms.hpp"
 #include "radial_objects.hpp"
 
@@ -397,34 +396,7 @@ private:
         objects_.warn(found.sites, problem.warnings);
         problem.sites = std::move(found.sites);
         problem.objects = std::move(found.objects);
-        refuse_tips(problem);
         return problem;
-    }
-
-    // Where the bisector with a hollow tube or cone comes to its axis it has a tip. Nothing later on is made
-    // for one that shows.
-    void refuse_tips(const RadialBaseProblem& problem) const {
-        constexpr double margin = 1 + 0x1p-20;  // far more than rounding
-        for (const FormId form : problem.objects.ids())
-            for (const VesselTip& tip : vessel_tips(problem, form)) {
-                if (tip.y < stretch_[0] || tip.y > stretch_[1]) continue;
-                const auto hides = [&](FormId f) {
-                    if (f == form) return false;
-                    const double there = AxialTerms(problem, f, tip.y).nearness(tip.u, 0) * tip.reach;
-                    // Below a floor nothing is in the box.
-                    const bool is_floor = std::ranges::find(problem.floor, f) != problem.floor.end();
-                    return is_floor ? there * margin < 1 : there > margin;
-                };
-                bool is_hidden = false;
-                for (const FormId f : problem.objects.ids()) is_hidden = is_hidden || hides(f);
-                if (is_hidden) continue;
-                const auto number = problem.sites[form].front().index;
-                objects_.fail(
-                    Kind::Unsupported, static_cast<std::uint32_t>(scene_.place(number)),
-                    "is as near to the base as to its own axis, where no object nor side of the box is "
-                    "nearer: the cell would have a tip at " +
-                        to_text(unit_ * motion_.to_world(Vec3(0, tip.y, 0) + tip.reach * tip.u)));
-            }
     }
 
     const Scene& scene_;

@@ -87,8 +87,7 @@ struct RadialBaseProblem : BaseProblem {
 ///   EmptyBox     the base sphere's centre is not inside the box, a base cylinder's axis not inside the
 ///                sides along it (the base may reach beyond them: clearance is negative there), or no
 ///                stretch of the base cylinder is in the box;
-///   OutOfRange   a height's coefficients leave the double range;
-///   Unsupported  a vessel with whose bisector the cell would have a tip.
+///   OutOfRange   a height's coefficients leave the double range.
 /// Throws UndecidedError when no pole for the chart can be seen in doubles: all around the sphere the nearest
 /// objects are all but equal.
 /// Left out with a warning: balls and cylinders that lie in another one's solid or, cylinders, beyond a

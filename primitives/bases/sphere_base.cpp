@@ -339,7 +339,6 @@ private:
                 "that "
                 "doubles can see");
         frame_.rotation = *rotation;
-        refuse_tips(nearness);
     }
     Nearness::Cylindrical nearness_in(const ConeForm& cone) const {
         const ExactVector D = ExactVector(frame_.center) - cone.apex;
@@ -354,51 +353,6 @@ private:
                 nearest(room.C) / (N * g * g),
                 true,
                 sine};
-    }
-
-    // Where the bisector with a hollow cylinder or cone comes to its axis it has a tip. Nothing later on is
-    // made for one that shows.
-    void refuse_tips(const Nearness& nearness) const {
-        for (std::size_t i = 0; i < objects_.hollow_cylinders.size(); ++i) {
-            if (!objects_.is_kept(objects_.hollow_cylinders.objects[i])) continue;
-            const CylinderForm& f = objects_.hollow_cylinders.items[i];
-            const Vec3 axis = Vec3(f.ax, f.ay, f.az).normalized(), p = Vec3(f.px, f.py, f.pz) - frame_.center,
-                       foot = p - axis * axis.dot(p);
-            const double reach = f.rho + frame_.radius,
-                         along = std::sqrt((reach - foot.norm()) * (reach + foot.norm()));
-            for (const double side : {-1.0, 1.0})
-                refuse_tip(objects_.hollow_cylinders.objects[i], (foot + side * along * axis) / reach, reach,
-                           nearness);
-        }
-        // On a cone's axis h from the apex, h - h0 from the foot of the centre: the squares of h S + R0 and
-        // of that have the distance from the axis as their difference, which gives K^2 h = h0 + R0 S -+
-        // sqrt(C).
-        for (std::size_t i = 0; i < objects_.hollow_cones.size(); ++i) {
-            if (!objects_.is_kept(objects_.hollow_cones.objects[i])) continue;
-            const ConeForm& f = objects_.hollow_cones.items[i];
-            const Nearness::Cylindrical n = nearness_in(f);
-            const double rest = (1 - n.sine) * (1 + n.sine);
-            for (const double side : {-1.0, 1.0}) {
-                const double reach = (n.delta + side * n.sine * std::sqrt(n.C)) / rest;
-                const Vec3 out = n.foot - n.axis * n.axis.dot(n.foot);
-                // The tip less the centre is (h - h0) w - m'.
-                const Vec3 from_center =
-                    (n.sine * n.delta + side * std::sqrt(n.C)) / rest * n.axis - out / rest;
-                refuse_tip(objects_.hollow_cones.objects[i], from_center / reach, reach, nearness);
-            }
-        }
-    }
-    void refuse_tip(std::uint32_t i, const Vec3& u, double reach, const Nearness& nearness) const {
-        constexpr double margin = 1 + 0x1p-20;  // far more than rounding
-        const auto hides = [&](double nearness_there) { return nearness_there * reach > margin; };
-        if (std::ranges::any_of(nearness.linear, [&](const auto& h) { return hides(h.p.dot(u) + h.s); }) ||
-            std::ranges::any_of(nearness.cylindrical,
-                                [&](const auto& h) { return hides(nearness_of(h, u)); }))
-            return;
-        objects_.fail(Kind::Unsupported, i,
-                      "is as near to the base as to its own axis, where no object nor side of the box is "
-                      "nearer: the cell would have a tip at " +
-                          to_text(unit_ * Vec3(frame_.center + reach * u)));
     }
 
     RadialBaseProblem make_problem() {

@@ -148,9 +148,10 @@ Vec3 nearest_direction(const Nearness& n) {
             const double cosine = std::sqrt((1 - f.sine) * (1 + f.sine)), length = out.norm();
             const Vec3 u =
                 (length > 0 ? Vec3(out / length) : Vec3(f.axis.unitOrthogonal())) * cosine - f.sine * f.axis;
+            // Next to the axis `out` is rounded to any direction.
             if (const double q = nearness_of(f, u); q > best) {
                 best = q;
-                direction = u;
+                direction = u.normalized();
             }
             continue;
         }

@@ -97,8 +97,8 @@ void bind_parts(py::module_& m) {
 
     py::class_<TrimCurve>(m, "TrimCurve", "A piece of a patch's boundary in its parameters.")
         .def_readonly("curve", &TrimCurve::curve, "A Curve2.")
-        .def_readonly("edge", &TrimCurve::edge, "The number of the edge it is; None on a seam.")
-        .def_readonly("seam", &TrimCurve::seam, "The number of the seam it is; None on an edge.")
+        .def_readonly("edge", &TrimCurve::edge, "The number of the edge it is; None on a seam and in a tip.")
+        .def_readonly("seam", &TrimCurve::seam, "The number of the seam it is; None on an edge and in a tip.")
         .def_readonly("reversed", &TrimCurve::reversed, "Does the edge's curve run the other way?");
 
     py::class_<TrimmedPatch>(m, "TrimmedPatch", "A patch and the loops that cut a face out of it.")

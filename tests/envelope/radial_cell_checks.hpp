@@ -62,9 +62,9 @@ inline double parameter_rounding(const RationalPatch& surface, const Vec2& p) {
     return 256 * 0x1p-53 * (du.norm() * std::abs(p.x()) + dv.norm() * std::abs(p.y()));
 }
 
-/// Trims under their edges; loops closed, the outer one counter-clockwise and the others clockwise, seen from
-/// outside. Adds up how much of every edge is used in either direction, and both sides of every seam at three
-/// points.
+/// Trims under their edges, or in one point; loops closed, the outer one counter-clockwise and the others
+/// clockwise, seen from outside. Adds up how much of every edge is used in either direction, and both sides
+/// of every seam at three points.
 inline void check_patch(const Cell& cell, const TrimmedPatch& patch, std::vector<std::array<double, 2>>& uses,
                         std::map<std::uint32_t, std::vector<std::array<Vec3, 3>>>& seams) {
     const auto surface = [&](const Vec2& p) { return patch.surface.evaluate(p.x(), p.y()); };
@@ -87,6 +87,13 @@ inline void check_patch(const Cell& cell, const TrimmedPatch& patch, std::vector
                 const CellEdge& edge = cell.edges[*trim.edge];
                 const double gap = (surface(p) - edge.curve.evaluate(trim.reversed ? 1 - t : t)).norm();
                 CHECK(gap <= slack(cell, edge) + parameter_rounding(patch.surface, p));
+            }
+            if (trim.is_tip()) {
+                const Vec3 tip = surface(trim.curve.evaluate(begin));
+                for (const double t : {0.25, 0.5, 1.0})
+                    CHECK((surface(trim.curve.evaluate(std::lerp(begin, end, t))) - tip).norm() <=
+                          1e-12 * cell.scene.box.diagonal());
+                continue;
             }
             CHECK(trim.edge.has_value() != trim.seam.has_value());
             if (trim.edge) {

@@ -309,15 +309,6 @@ TEST_CASE("vessels: what is not supported is refused by name") {
     CHECK(complaint(flat) == "objects[0].hollow_sphere.radius" + kind(Kind::NegativeRadius));
     flat.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 0}, 1};
     CHECK(complaint(flat) == "objects[0].hollow_cylinder.axis" + kind(Kind::ZeroAxis));
-    // A tip of the bisector, on the tube's axis, shows unless something is nearer.
-    Scene tip = scene;
-    tip.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 1}, 2};
-    tip.box = {{-4, -4, -4}, {4, 4, 4}};
-    CHECK(complaint(tip) == "objects[0].hollow_cylinder" + kind(Kind::Unsupported));
-    tip.box = {{-0.25, -0.25, -2}, {4, 4, 2}};
-    CHECK(complaint(tip) == "none");
-    tip.box = {{-4, -4, -2}, {4, 4, 2}};
-    CHECK(complaint(tip) == "none");
 }
 
 // ---- Tubes ----------------------------------------------------------------------------------------------
