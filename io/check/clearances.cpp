@@ -6,6 +6,7 @@
 #include <set>
 
 #include "forms.hpp"
+#include "tips.hpp"
 
 namespace vcell::check {
 
@@ -212,12 +213,12 @@ std::optional<Vector<Interval>> nearest_beside_tube(const Space<Interval>& space
     return q - 0.5 * (away + radius) * space.up(q);
 }
 
-/// The bisector with a hollow sphere is farthest from the base's centre towards the vessel's and beyond: its
-/// height there, and whether no other site is nearer.
+/// How high a bisector is at a place where it may be highest, and whether no other site is nearer there.
 struct Farthest {
     Interval height;
     std::optional<bool> is_there;
 };
+/// The bisector with a hollow sphere is farthest from the base's centre towards the vessel's and beyond.
 std::optional<Farthest> farthest_about_ball(const Subject& subject, const Site& site, const Frame& frame) {
     const Scene& scene = subject.cell.scene;
     const auto* base = std::get_if<Sphere>(&scene.base);
@@ -289,6 +290,12 @@ std::vector<Farthest> farthest_in_vessel(const Subject& subject, const Site& sit
     std::vector<Farthest> found;
     const Scene& scene = subject.cell.scene;
     if (!site.is_object() || !is_vessel(scene.objects[site.index])) return found;
+    // At a tip the bisector has no tangent plane.
+    for (const Tip& tip : tips_of(subject.space, scene.objects[site.index])) {
+        const std::optional<bool> shows = is_bounded(subject, site, tip.p);
+        if (shows != false)
+            found.push_back({(tip.reach - subject.space.base().radius) / Interval(frame.unit()), shows});
+    }
     if (std::holds_alternative<Sphere>(scene.base)) {
         if (const auto farthest = farthest_about_ball(subject, site, frame)) found.push_back(*farthest);
         return found;

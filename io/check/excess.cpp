@@ -158,8 +158,10 @@ Interval ExcessAlong::in_vessel(const Surface& object) const {
     const Surface& base = space_.base();
     const Form a = squared_distance(object);
     const Interval d = object.radius + base.radius;
-    const Interval distance = sqrt(a.range()) / w_, q = clearance_ + base.radius;
-    const Interval plain = object.radius - distance - clearance_, sum = d - q + distance;
+    const Interval distance = sqrt(a.range()) / w_,
+                   clearance = intersection(clearance_, space_.clearance(net_.box())),
+                   q = clearance + base.radius;
+    const Interval plain = object.radius - distance - clearance, sum = d - q + distance;
     if (!(sum.lower() > 0)) return plain;
     const Form w2 = square(weight_);
     const Form l = a - base_ - square(d) * w2;
@@ -179,8 +181,11 @@ Interval ExcessAlong::in_cone(const Surface& object) const {
     const Surface& base = space_.base();
     const Form a = squared_distance(object), along = signed_distance(object);
     const Form l = Form::combination<2>({{{object.sine, &along}, {base.radius, &weight_}}});
-    const Interval distance = object.cosine * sqrt(a.range()) / w_, q = clearance_ + base.radius,
-                   height = l.range() / w_;
+    const Vector<Interval> box = net_.box();
+    const Interval distance = object.cosine * sqrt(a.range()) / w_,
+                   q = intersection(clearance_, space_.clearance(box)) + base.radius,
+                   height = intersection(
+                       l.range() / w_, object.sine * dot(object.direction, box - object.point) + base.radius);
     const Interval plain = height - distance - q, sum = height - q + distance;
     if (!(sum.lower() > 0)) return plain;
     const Form l2 = square(l), g = l2 + base_ - square(object.cosine) * a;
@@ -241,7 +246,8 @@ Interval ExcessAlong::of_plane(const Surface& object) const {
 /// zero that times (L / w^2 + 2 D q) is (L^2 - 4 D^2 B w^2) / w^4.
 ///
 /// In a vessel, with D the sum of the radii: the excess times (D - q + sqrt A / w) is -(L / w^2 + 2 D q), and
-/// that times (L / w^2 - 2 D q) is the same.
+/// that times (L / w^2 - 2 D q) is the same. That sum vanishes at the bisector's tips: next to them the box
+/// knows better than quotients how far it is from the base.
 Interval ExcessAlong::of_round(const Surface& object) const {
     const Surface& base = space_.base();
     if (object.is_cone) return in_cone(object);

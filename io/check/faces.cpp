@@ -13,6 +13,7 @@
 #include "least_slope.hpp"
 #include "tangents.hpp"
 #include "tile.hpp"
+#include "tips.hpp"
 #include "touching_spheres.hpp"
 #include "trim_curves.hpp"
 #include "turns.hpp"
@@ -50,10 +51,16 @@ private:
         is_apart_ = face.site.is_object() && gap(scene_.objects[face.site.index]) > 0;
         width_ = std::max(tie_width(face.site), kRounding * patch.control_size);
         stated_ = 0;
+        tips_.clear();
         for (const auto& loop : patch.loops)
-            for (const Trim& trim : loop)
+            for (const Trim& trim : loop) {
                 if (trim.curve->edge) stated_ = std::max(stated_, full_error(*trim.curve->edge));
-        stated_ = std::min(stated_, most_stated(0));  // what is more is refuted at the edge
+                if (trim.curve->is_tip() && face.site.is_object())
+                    tips_ = tips_of(space(), scene_.objects[face.site.index]);
+            }
+        // What is more is refuted at the edge. Towards a tip rounding is divided by less and less.
+        stated_ = std::min(stated_, most_stated(0));
+        if (!tips_.empty()) stated_ = std::max(stated_, scene_tolerance());
 
         const Vec3 center = lift(patch, 0.5 * (patch.lo + patch.hi)).p;
         const Tile whole{net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}};
@@ -112,6 +119,10 @@ private:
             const Nearness near = nearness(tile, count == 0);
             const bool is_rounding = 2 * near.size > std::exchange(tile.excess, near.size);
             const bool is_told = !near.is_bent || tile.depth >= kBent;
+            if (const double to_tip = farthest_from(tips_, tile.net.box()); to_tip <= most_stated(0)) {
+                most = std::max(most, to_tip);
+                continue;
+            }
             if (near.distance &&
                 ((near.size <= width_ && is_told) || *near.distance <= boundary.value_or(0) ||
                  (is_rounding && near.size <= stated_))) {
@@ -587,6 +598,7 @@ private:
     double margin_ = 0;                          // how far the patch is from its bisector
     double width_ = 0;                           // what rounding of the patch's numbers makes of an excess
     double stated_ = 0;                          // the largest error of its edges
+    std::vector<Tip> tips_;                      // of the bisector, if the patch has one
 };
 
 }  // namespace

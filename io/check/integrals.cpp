@@ -36,6 +36,88 @@ T speed(const Place<T>& p) {
     return sqrt(sum) / square(p.w);
 }
 
+/// Over a rectangle, in `effort` parts at most.
+template <std::size_t N, class F>
+std::array<Interval, N> estimated(const std::array<double, N>& enough, int effort, const F& section) {
+    std::array<Interval, N> sum{};
+    Effort left{effort};
+    const bool is_complete = estimate<N>(section, {-1, 0}, {1, 1}, enough, sum, left);
+    // Where the rules never came near each other their difference tells little: beside a pole both
+    // miss most of it.
+    constexpr double poor = 0x1p-16, wider = 16;
+    if (!is_complete)
+        for (Interval& x : sum) x = Interval::ball(x.mid(), wider * x.radius());
+    const bool is_poor =
+        std::ranges::any_of(sum, [&](const Interval& x) { return !(x.radius() <= poor * x.magnitude()); });
+    if (!is_complete && is_poor) sum.fill(Interval(-HUGE_VAL, HUGE_VAL));
+    return sum;
+}
+
+/// A face without edges is all of a spheroid about a ball's centre, in a hollow sphere: with D the sum of
+/// the radii and c the way between the centres t = (D^2 - |c|^2) / (2 b), b = D + |c| z, where z is the
+/// cosine of the angle to -c, and sqrt(|c|^2 - D^2 + 2 D b) / b the area for that about the ball.
+std::optional<FaceIntegrals> spheroid(const Scene& scene, const Frame& frame, const Site& site,
+                                      const std::array<double, 2>& enough, int effort) {
+    const auto* vessel = site.is_object() ? std::get_if<HollowSphere>(&scene.objects[site.index]) : nullptr;
+    if (!vessel || !std::holds_alternative<Sphere>(scene.base)) return std::nullopt;
+    const MidRad c = sqrt(squared_norm(near(frame.point(vessel->center)))),
+                 D = MidRad(frame.length(vessel->radius)) + frame.radius(), K = 0.5 * ((D - c) * (D + c));
+    if (!(K.lower() > 0)) return std::nullopt;
+    std::array<Interval, 2> sum{};
+    Effort left{16 * effort};
+    const bool is_told = integrate<2>(
+        [&]<class T>(const T& z) {
+            const T b = T(D) + c * z, t = T(K) / b, t2 = square(t);
+            const T steepness = sqrt(T(square(c) + square(D)) + 2.0 * (D * c) * z) / b;
+            return std::array<T, 2>{t * t2 * T(third), t2 * steepness};
+        },
+        -1, 1, enough, sum, left);
+    const Interval turn = 2.0 * Interval(std::numbers::pi, std::nextafter(std::numbers::pi, 4));
+    return FaceIntegrals{turn * sum[0], turn * sum[1], 2.0 * turn, is_told, true};
+}
+
+/// Volume and area of what lies between a start along the wall and a tip, all around the vessel's axis:
+/// proved to the precision if there is one, otherwise estimated to `enough`.
+std::array<Interval, 2> until_tip(const Equation& equation, const MidRad& start, std::size_t tip,
+                                  const std::optional<Precision>& precision,
+                                  const std::array<double, 2>& enough, int effort) {
+    // Half around at once: whatever the effort, as without it nothing of the face is known.
+    constexpr int least_parts = 64;
+    const int parts = std::max(effort, least_parts);
+    const MidRad end = equation.cosine * dot(equation.d, VesselTips(equation).points[tip]);
+    std::array<Interval, 2> all{};
+    for (const bool is_opposite : {false, true}) {
+        const auto density = [&]<class T>(const T& s) {
+            return [section = VesselSection<T>(equation, start, end, is_opposite, s)](const T& sigma) {
+                const auto [volume, area, steepness] = section.at(sigma);
+                return std::array<T, 2>{volume, area};
+            };
+        };
+        std::array<Interval, 2> sum{};
+        Effort left{parts};
+        if (precision)
+            integrate<2>(density, {-1, 0}, {1, 1}, {precision->volume, precision->area}, sum, left);
+        else
+            sum = estimated<2>(enough, parts, density);
+        // A face beside an edge lies beyond it, or between the start and the first tip.
+        for (const std::size_t k : {0, 1}) all[k] = tip == 0 ? all[k] + sum[k] : all[k] - sum[k];
+    }
+    return all;
+}
+
+/// Which tips a face holds whose edges turn around the axis as often, and of which so much area lies between
+/// the edges and the start: they turn once around one of the two; around both they leave less than nothing,
+/// as all of the bisector is more than the face. None: it cannot be told.
+std::optional<std::array<bool, 2>> held_tips(const Interval& turn, const Interval& area) {
+    constexpr double whole = 2 * std::numbers::pi, less_than_half = 3;
+    if ((turn - whole).magnitude() < less_than_half) return std::array{false, true};
+    if ((turn + whole).magnitude() < less_than_half) return std::array{true, false};
+    if (!(turn.magnitude() < less_than_half)) return std::nullopt;
+    if (area.lower() > 0) return std::array{false, false};
+    if (area.upper() < 0) return std::array{true, true};
+    return std::nullopt;
+}
+
 class Summation {
 public:
     Summation(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
@@ -64,40 +146,49 @@ public:
 
     Integrals run() {
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
-            if (outlined_[f].points.empty()) add_spheroid(f);
+            if (outlined_[f].points.empty()) add_closed(f);
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) add_edge(e);
-        // A face around a vessel's axis would have more than what lies between its edges there.
-        constexpr double less_than_half = 3;
-        for (std::size_t f = 0; f < turns_.size(); ++f)
-            if (!(turns_[f].magnitude() < less_than_half)) sums_.faces[f].is_known = false;
+        for (std::size_t f = 0; f < turns_.size(); ++f) add_held_tips(f);
         return std::move(sums_);
     }
 
 private:
-    /// A face without edges is all of a spheroid about a ball's centre, in a hollow sphere: with D the sum of
-    /// the radii and c the way between the centres t = (D^2 - |c|^2) / (2 b), b = D + |c| z, where z is the
-    /// cosine of the angle to -c, and sqrt(|c|^2 - D^2 + 2 D b) / b the area for that about the ball.
-    void add_spheroid(std::size_t f) {
+    /// A face without edges: all of a spheroid, or of the bisector in a hollow tube or cone.
+    void add_closed(std::size_t f) {
+        const Scene& scene = cell_.scene;
         const Site& site = cell_.faces[f].site;
-        const auto* vessel =
-            site.is_object() ? std::get_if<HollowSphere>(&cell_.scene.objects[site.index]) : nullptr;
-        const auto* base = std::get_if<Sphere>(&cell_.scene.base);
-        if (!vessel || !base) return;
-        const MidRad c = sqrt(squared_norm(near(frame_.point(vessel->center)))),
-                     D = MidRad(frame_.length(vessel->radius)) + frame_.radius(),
-                     K = 0.5 * ((D - c) * (D + c));
-        if (!(K.lower() > 0)) return;
-        std::array<Interval, 2> sum{};
-        Effort effort{16 * effort_};
-        const bool is_told = integrate<2>(
-            [&]<class T>(const T& z) {
-                const T b = T(D) + c * z, t = T(K) / b, t2 = square(t);
-                const T steepness = sqrt(T(square(c) + square(D)) + 2.0 * (D * c) * z) / b;
-                return std::array<T, 2>{t * t2 * T(third), t2 * steepness};
-            },
-            -1, 1, {enough_[0], enough_[1]}, sum, effort);
-        const Interval turn = 2.0 * Interval(std::numbers::pi, std::nextafter(std::numbers::pi, 4));
-        sums_.faces[f] = {turn * sum[0], turn * sum[1], 2.0 * turn, is_told, true};
+        if (const auto whole = spheroid(scene, frame_, site, {enough_[0], enough_[1]}, effort_))
+            sums_.faces[f] = *whole;
+        const auto equation = equation_of(scene, frame_, site, {});
+        if (!std::holds_alternative<Sphere>(scene.base) || !equation || !equation->is_hollow ||
+            equation->kind == Equation::Kind::ball)
+            return;
+        const VesselTips tips(*equation);
+        const MidRad start =
+            0.5 * (along_wall(*equation, tips.points[0]) + along_wall(*equation, tips.points[1])).mid();
+        const Interval pi(std::numbers::pi, std::nextafter(std::numbers::pi, 4));
+        sums_.faces[f] = {0.0, 0.0, 4.0 * pi, true, true};
+        for (const std::size_t tip : {0, 1}) add_tip(f, *equation, start, tip);
+    }
+
+    /// A face that holds tips has what lies around them besides what lies between its edges.
+    void add_held_tips(std::size_t f) {
+        const auto* fan = shadows_[f] ? std::get_if<Fan>(&*shadows_[f]) : nullptr;
+        if (!fan || !fan->along_wall) return;
+        const auto holds = held_tips(turns_[f], sums_.faces[f].area);
+        if (!holds) sums_.faces[f].is_known = false;
+        for (const std::size_t tip : {0, 1})
+            if (holds && (*holds)[tip]) add_tip(f, fan->equation, *fan->along_wall, tip);
+    }
+    void add_tip(std::size_t f, const Equation& equation, const MidRad& start, std::size_t tip) {
+        FaceIntegrals& face = sums_.faces[f];
+        face.is_proved = face.is_proved && proofs_[f].has_value();
+        std::optional<Precision> precision = proofs_[f];
+        if (precision) precision = Precision{share_ * precision->volume, share_ * precision->area};
+        const auto [volume, area] =
+            until_tip(equation, start, tip, precision, {enough_[0], enough_[1]}, effort_);
+        face.volume += volume;
+        face.area += area;
     }
 
     void add_edge(std::size_t e) {
@@ -267,7 +358,7 @@ private:
         } else {
             sums_.faces[use.face].is_proved = false;
             const auto [volume, area, of_shadow] = enough_for_estimates(e, span);
-            sum = estimated<2>({volume, area}, density);
+            sum = estimated<2>({volume, area}, effort_, density);
         }
         add(use, sum[0], sum[1], 0.0);
     }
@@ -281,30 +372,13 @@ private:
             -1, 1, {enough_of_shadows_}, shadow, effort);
         if (!is_told && !proofs_[use.face]) {
             sums_.are_shadows_proved = false;
-            shadow = estimated<1>({enough_for_estimates(e, span)[2]}, [&](const Approximate& s) {
+            shadow = estimated<1>({enough_for_estimates(e, span)[2]}, effort_, [&](const Approximate& s) {
                 return [all = FanSection<Approximate>(fan, span.at(s)).shadow()](const Approximate&) {
                     return std::array<Approximate, 1>{all};
                 };
             });
         }
         add(use, 0.0, 0.0, shadow[0]);
-    }
-
-    /// Over a span and the way to it.
-    template <std::size_t N, class F>
-    std::array<Interval, N> estimated(const std::array<double, N>& enough, const F& section) {
-        std::array<Interval, N> sum{};
-        Effort effort{effort_};
-        const bool is_complete = estimate<N>(section, {-1, 0}, {1, 1}, enough, sum, effort);
-        // Where the rules never came near each other their difference tells little: beside a pole both
-        // miss most of it.
-        constexpr double poor = 0x1p-16, wider = 16;
-        if (!is_complete)
-            for (Interval& x : sum) x = Interval::ball(x.mid(), wider * x.radius());
-        const bool is_poor = std::ranges::any_of(
-            sum, [&](const Interval& x) { return !(x.radius() <= poor * x.magnitude()); });
-        if (!is_complete && is_poor) sum.fill(Interval(-HUGE_VAL, HUGE_VAL));
-        return sum;
     }
 
     void add(const EdgeUse& use, Interval volume, Interval area, Interval shadow) {

@@ -27,6 +27,8 @@ double least_slope(const Space<Interval>& space, std::uint32_t object, const Vec
                    double size) {
     const Body &base = space.base(), own = space.object(object);
     const bool is_base_plane = base.kind == Body::Kind::plane, is_plane = own.kind == Body::Kind::plane;
+    if (own.is_hollow && own.kind == Body::Kind::cylinder)
+        return magnitude(own.sine - dot(own.direction, space.up(box))).lower();
     if (own.is_hollow || (is_plane && (is_base_plane || !own.is_sided))) return 0;
     const Interval excess(-size, size);
     const auto way = [&](const Body& body) { return body.distance(box) + body.radius; };

@@ -17,6 +17,10 @@ namespace vcell::check {
 ///
 /// Beside a plane, over which that point is at the height h and the axis rises by r per length, p being x
 /// along the axis, it is 2 (h + rho + e + x r) / s with the radius rho and the excess e.
+///
+/// In a hollow tube or cone distances from the wall grow by the sine of half the angle along the axis,
+/// wherever the nearest point of the wall is, and so on the axis, too: what differs from how much the base's
+/// do counts.
 double least_slope(const Space<Interval>& space, std::uint32_t object, const Vector<Interval>& box,
                    double size);
 

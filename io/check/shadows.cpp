@@ -255,6 +255,8 @@ void set_tube(Equation& equation, const Scene& scene, const Frame& frame, const 
     if (plane) equation.delta = frame.length(tube.radius);
 }
 
+}  // namespace
+
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
                                     std::span<const Triad<double>> points) {
     Equation equation{};
@@ -327,6 +329,8 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
     equation.sign = best > 0 ? 1 : -1;
     return equation;
 }
+
+namespace {
 
 /// None: the apex is as near as the face is large.
 std::optional<RuledHeight> ruled_height(const Equation& equation, std::span<const Triad<double>> corners) {

@@ -21,6 +21,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -100,6 +101,11 @@ struct Fan {
     /// About a sphere, in a hollow tube or cone: where volume and area start along the wall instead.
     std::optional<MidRad> along_wall = std::nullopt;
 };
+
+/// What a site's equation is. None: on which side of a plane the base is cannot be told from the points,
+/// which are of the face's edges.
+std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
+                                    std::span<const Triad<double>> points);
 
 using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
 

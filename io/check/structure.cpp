@@ -157,8 +157,8 @@ private:
             for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
                 const TrimCurve& trim = patch.loops[l][t];
                 const auto at = [&] { return fmt::format("{}{}[{}]", all.prefix, loop_path(f, p, l), t); };
-                if (all.close ? !trim.edge || trim.seam : trim.edge.has_value() == trim.seam.has_value())
-                    note(at, all.close ? "must name an edge" : "must name an edge or a seam");
+                if (all.close ? !trim.edge || trim.seam : trim.edge && trim.seam)
+                    note(at, all.close ? "must name an edge" : "must name an edge or a seam, not both");
                 if (trim.edge && *trim.edge >= all.known_edges)
                     note(at, fmt::format("no edge {}", *trim.edge));
                 check_curve<2>([&] { return at() + ".curve"; }, trim.curve);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -12,9 +13,19 @@
 #include <utility>
 
 #include "../pictures/trims.hpp"
+#include "tips.hpp"
 
 namespace vcell::check {
 namespace {
+
+/// Is all of a trim the tip?
+bool runs_in(const Tip& tip, const Patch& patch, const Trim& trim, double tolerance) {
+    const double error = tolerance + radius(tip.p);
+    return std::ranges::all_of(std::array{0.0, 0.25, 0.5, 0.75, 1.0}, [&](double s) {
+        const Vec2 uv = evaluate(trim.pieces, trim.begin() + s * (trim.end() - trim.begin()));
+        return (lift(patch, uv).p - middle(tip.p)).norm() <= error;
+    });
+}
 
 class Tiling : public Room {
 public:
@@ -26,6 +37,7 @@ public:
         check_labels();
         check_loops();
         check_seams();
+        check_tips();
         check_euler();
         if (certificate_.count(Verdict::refuted) == before) certificate_.prove(subject_.path("tiling"));
     }
@@ -323,6 +335,25 @@ private:
                     break;
                 }
         }
+    }
+
+    /// Along nothing a patch is one point, and its bisector has a tip there.
+    void check_tips() {
+        for (const Patch& patch : patches_)
+            for (std::size_t l = 0; l < patch.loops.size(); ++l)
+                for (std::size_t t = 0; t < patch.loops[l].size(); ++t) {
+                    const Trim& trim = patch.loops[l][t];
+                    if (!trim.curve->is_tip()) continue;
+                    const Site& site = cell_.faces[patch.face].site;
+                    const auto tips = site.is_object() ? tips_of(subject_.space, scene_.objects[site.index])
+                                                       : std::vector<Tip>();
+                    const auto is_there = [&](const Tip& tip) {
+                        return runs_in(tip, patch, trim, scene_tolerance());
+                    };
+                    if (std::ranges::none_of(tips, is_there))
+                        note(fmt::format("{}[{}]", loop_path(patch.face, patch.index, l), t),
+                             "runs along no edge, no seam and no tip of the bisector");
+                }
     }
 
     /// V - E + F = 1 + C over the base region's subdivision, with one vertex granted to each closed edge, and

@@ -8,10 +8,11 @@
 /// where a tube counts r from the axis on and has its radius added to R0. With rho = S v - K r the distance
 /// from the axis, the derivatives by phi and v have the cross product
 ///   N = rho (-n + (v - D g) / G g - (D e') / G e'),
-/// and (P N) / 3, P as seen from the ball's centre, is the volume's density: all of them rational. A face
-/// that keeps clear of the axis is what lies between a constant v and its edges; edges that turn around the
-/// axis cancel. An edge's v and phi are those of the bisector's point in its direction from the ball's
-/// centre, so that faces beside an edge meet in the same directions.
+/// and (P N) / 3, P as seen from the ball's centre, is the volume's density: all of them rational. A face is
+/// what lies between a constant v and its edges; where it holds a tip, a point of the axis, v is one and the
+/// same there for all phi, and what lies between all around counts, too. An edge's v and phi are those of the
+/// bisector's point in its direction from the ball's centre, so that faces beside an edge meet in the same
+/// directions.
 #pragma once
 
 #include "equation.hpp"
@@ -25,6 +26,10 @@ class VesselSection {
 public:
     /// start: K D w less than v. t: how far from the ball's centre the bisector is in the direction of p.
     VesselSection(const Equation& equation, const MidRad& start, const Place<T>& p, const T& t);
+    /// What lies between two constant v, less K D w, and half the angle's tangent is s, about one direction
+    /// across the axis or its opposite.
+    VesselSection(const Equation& equation, const MidRad& start, const MidRad& end, bool is_opposite,
+                  const T& s);
 
     struct At {
         T volume, area, steepness;
@@ -34,15 +39,19 @@ public:
     At at(const T& sigma) const;
 
 private:
+    void set_direction(const T& ex, const T& ey);
+
     const Equation& equation_;
     MidRad start_;                // K D w
     T first_, rise_, turn_;       // v less K D w at sigma = 0, by how much it grows; of the edge
     T along_, across_, off_, G_;  // S D e, D e', D n
 };
 
-/// Directions from the ball's centre in which the bisector comes to the vessel's axis: `pole` is opposite to
-/// one of them, `other` the other one in the stereographic plane about the pole.
+/// Where the bisector comes to the vessel's axis: `points`, farther along it the second one, in the frame.
+/// `pole` is opposite to the first one's direction from the ball's centre, `other` that of the second one in
+/// the stereographic plane about the pole.
 struct VesselTips {
+    std::array<Triad<MidRad>, 2> points;
     Triad<MidRad> pole, other;
 
     explicit VesselTips(const Equation& e) {
@@ -53,17 +62,20 @@ struct VesselTips {
             Triad<MidRad> p;
             for (const std::size_t i : {0, 1, 2})
                 p[i] = e.across_c[0] * e.across[0][i] + e.across_c[1] * e.across[1][i] + k * e.d[i];
-            return normalized(p);
+            return p;
         };
-        pole = scaled(MidRad(-1.0), tip((e.sine * L - root) / K2));
-        const Triad<MidRad> u = tip((e.sine * L + root) / K2);
+        points = {tip((e.sine * L - root) / K2), tip((e.sine * L + root) / K2)};
+        pole = scaled(MidRad(-1.0), normalized(points[0]));
+        const Triad<MidRad> u = normalized(points[1]);
         const MidRad q = dot(pole, u), share = MidRad(1.0) / (1.0 + q);
         for (const std::size_t i : {0, 1, 2}) other[i] = (u[i] - q * pole[i]) * share;
     }
 };
 
 /// By how much an edge turns around `other` in that plane per ds, as seen in its direction from the ball's
-/// centre. A loop makes as many turns around the axis: both are angles on a sphere without the two tips.
+/// centre. A loop makes as many turns around the axis: both are angles on a sphere without the two tips. All
+/// loops of a face together make one if it holds the second tip alone, and one the other way round if the
+/// first.
 template <class T>
 T turn_between(const VesselTips& tips, const Place<T>& p) {
     const Triad<T> n = p.whole(), dn = p.whole_derivative();
@@ -102,7 +114,26 @@ VesselSection<T>::VesselSection(const Equation& e, const MidRad& start, const Pl
     };
     // On the bisector t'/t = n u' / (1 - n u).
     turn_ = t / rho * (about_axis(du) + about_axis(u) * along_n(du) / (T(1.0) - along_n(u)));
-    // D is the opposite of the apex as seen from the centre.
+    set_direction(ex, ey);
+    first_ = T(start);
+    rise_ = e.cosine * (dot(e.d, u) * t) + e.sine * rho - first_;
+}
+
+template <class T>
+VesselSection<T>::VesselSection(const Equation& e, const MidRad& start, const MidRad& end, bool is_opposite,
+                                const T& s)
+    : equation_(e) {
+    const T share = T(is_opposite ? -1.0 : 1.0) / (T(1.0) + square(s));
+    set_direction((T(1.0) - square(s)) * share, 2.0 * (s * share));
+    turn_ = T(2.0) / (T(1.0) + square(s));
+    first_ = T(start);
+    rise_ = T(end - start);
+}
+
+// D is the opposite of the apex as seen from the centre.
+template <class T>
+void VesselSection<T>::set_direction(const T& ex, const T& ey) {
+    const Equation& e = equation_;
     const T out = -(e.across_c[0] * ex + e.across_c[1] * ey);
     across_ = e.across_c[0] * ey - e.across_c[1] * ex;
     const MidRad on_axis = -dot(e.d, e.c);
@@ -110,8 +141,6 @@ VesselSection<T>::VesselSection(const Equation& e, const MidRad& start, const Pl
     off_ = T(e.sine * on_axis) - e.cosine * out;
     G_ = T(e.radius) + off_;
     along_ = e.sine * out;
-    first_ = T(start);
-    rise_ = e.cosine * (dot(e.d, u) * t) + e.sine * rho - first_;
 }
 
 template <class T>

@@ -17,6 +17,9 @@
 #include "../../io/files/cell_file.hpp"
 #include "../../io/files/scene_file.hpp"
 #include "../../io/pictures/mesh.hpp"
+#include "../../io/solids/moments.hpp"
+#include "../../io/solids/shell.hpp"
+#include "../../io/solids/solid.hpp"
 #include "../test_support.hpp"
 #include "closed_meshes.hpp"
 #include "listing.hpp"
@@ -251,7 +254,7 @@ TEST_CASE("vessel cells: splines on spheroids of the highest degree are certifie
     CHECK_MESSAGE(c.holds(), listing(c));
 }
 
-TEST_CASE("vessel cells: integrals of a face around the axis have closed forms, of one with a tip none") {
+TEST_CASE("vessel cells: integrals of a face around the axis, and of one with a tip, have closed forms") {
     const Cell cell = voronoi_cell(on_axis());
     const check::Frame frame(cell.scene);
     const auto wall = static_cast<std::size_t>(&face_of(cell, Site::object(0)) - cell.faces.data());
@@ -276,25 +279,35 @@ TEST_CASE("vessel cells: integrals of a face around the axis have closed forms, 
     const double r = (D2 - h2) / (2 * D);
     const double volume =
         pi / (2 * D2) * h * (D2 * D2 - 2 * D2 * h2 / 3 + h2 * h2 / 5) - 2 * pi * r * r * h / 3;
-    double area = 0;  // 2 pi r sqrt(1 + r'^2) by Simpson's rule
-    constexpr int parts = 1000;
-    for (int i = 0; i <= parts; ++i) {
-        const double z = -h + 2 * h * i / parts;
-        area += (D2 - z * z) / D * std::hypot(1, z / D) * (i == 0 || i == parts ? 1 : i % 2 == 1 ? 4 : 2);
-    }
-    area *= pi * 2 * h / parts / 3;
+    // 2 pi r sqrt(1 + r'^2) between z = -h and `to`, by Simpson's rule.
+    const auto area_until = [&](double to) {
+        double sum = 0;
+        constexpr int parts = 1000;
+        for (int i = 0; i <= parts; ++i) {
+            const double z = -h + (to + h) * i / parts;
+            sum += (D2 - z * z) / D * std::hypot(1, z / D) * (i == 0 || i == parts ? 1 : i % 2 == 1 ? 4 : 2);
+        }
+        return sum * pi * (to + h) / parts / 3;
+    };
     const double unit = frame.unit();
     const check::FaceIntegrals whole = integrals();
     CHECK(whole.is_known);
     CHECK(whole.is_proved);
     // Edges are splines, off by less than 1e-6.
     CHECK(whole.volume.mid() * unit * unit * unit == doctest::Approx(volume).epsilon(1e-6));
-    CHECK(whole.area.mid() * unit * unit == doctest::Approx(area).epsilon(1e-6));
+    CHECK(whole.area.mid() * unit * unit == doctest::Approx(area_until(h)).epsilon(1e-6));
     CHECK(whole.area.width() < 1e-9);
     CHECK(whole.shadow.mid() > 0);
-    // With one of its edges alone it would go on to where the bisector meets the axis.
+    // With one of its edges alone it goes on to where the bisector meets the axis, at z = D: pi r^2 adds up
+    // to 8 pi D^3 / 60 from 0 on.
     std::erase_if(uses[0], [&](const check::EdgeUse& use) { return use.face == wall; });
-    CHECK_FALSE(integrals().is_known);
+    const check::FaceIntegrals beyond = integrals();
+    CHECK(beyond.is_known);
+    CHECK(beyond.is_proved);
+    CHECK(beyond.volume.mid() * unit * unit * unit ==
+          doctest::Approx(0.5 * volume + 2 * pi * D * D2 / 15).epsilon(1e-6));
+    CHECK(beyond.area.mid() * unit * unit == doctest::Approx(area_until(D)).epsilon(1e-6));
+    CHECK(beyond.area.width() < 1e-9);
 }
 
 TEST_CASE("vessel cells: faces around a vessel's axis are certified, meshed, and refuted where damaged") {
@@ -339,6 +352,93 @@ TEST_CASE("vessel cells: faces around a vessel's axis are certified, meshed, and
                     if (trim.seam) trim.seam = *trim.seam + 1;
         });
     }
+}
+
+// Alone, and beside a ball, in vessels that end far away.
+std::vector<Scene> with_tips() {
+    const HollowCylinder upright{{0, 0, 0.5}, {0, 0, 1}, 2}, leaning{{0.25, 0, 0}, {0.125, -0.25, 2}, 2};
+    const HollowCone funnel{{0, 0, -3.75}, {0, 0, 1}, 3, 5}, askew{{0.25, 0, -4}, {0.125, 0, 2}, 3, 5};
+    std::vector<Scene> scenes;
+    for (const Object& vessel : {Object(upright), Object(leaning), Object(funnel), Object(askew)}) {
+        Scene scene;
+        scene.base = Sphere{{0.25, -0.25, 0}, 0.5};
+        scene.objects = {vessel};
+        scene.box = {Vec3::Constant(-16), Vec3::Constant(16)};
+        scenes.push_back(scene);
+        scene.objects.insert(scene.objects.begin(), Sphere{{-0.5, 0.25, 1.25}, 0.375});
+        scenes.push_back(scene);
+        scene.box.max.z() = 1.5;
+        scenes.push_back(scene);
+    }
+    return scenes;
+}
+
+TEST_CASE("vessel cells: faces with tips are certified, meshed, made solid, and refuted where damaged") {
+    int single = 0;
+    for (const Scene& scene : with_tips()) {
+        const Site wall = Site::object(static_cast<std::uint32_t>(scene.objects.size() - 1));
+        CAPTURE(scene.objects.size());
+        CAPTURE(scene.objects.back().index());
+        CAPTURE(scene.box.max.z());
+        const Cell cell = voronoi_cell(scene);
+        const CellFace& face = face_of(cell, wall);
+        const auto at = static_cast<std::size_t>(&face - cell.faces.data());
+        std::vector<const TrimCurve*> tips;
+        for (const TrimmedPatch& patch : face.patches)
+            for (const auto& loop : patch.loops)
+                for (const TrimCurve& trim : loop)
+                    if (trim.is_tip()) tips.push_back(&trim);
+        REQUIRE((tips.size() == 3 || tips.size() == 6));
+        single += tips.size() == 3;
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+
+        const CellMesh mesh = tessellate(cell);
+        CHECK(is_closed(mesh));
+        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(6e-3));
+        const Shell shell = closed_shell(cell);
+        const Solid solid = solid_of(shell, cell.faces.size());
+        CHECK(solid.parts.size() == 1);
+        CHECK(solid.off < 1e-5);
+        const auto scale = cell.measures.volume;
+        const Moments moments = moments_of(cell);
+        CHECK(std::isfinite(moments.centroid.norm()));
+        CHECK(moments.centroid_error < 1e-4 * std::cbrt(scale));
+
+        std::stringstream file;
+        write_cell(file, cell);
+        CHECK(certify(parse_cell(file.str())).holds());
+
+        const auto expect = [&](const std::string& where,
+                                const std::function<void(Cell&, CellFace&)>& damage) {
+            Cell bad = cell;
+            damage(bad, bad.faces[at]);
+            const Certificate c = certify(bad, {50, 1, 4});
+            CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
+        };
+        const auto for_tips = [](CellFace& f, const auto& change) {
+            for (TrimmedPatch& patch : f.patches)
+                for (auto& loop : patch.loops)
+                    for (TrimCurve& trim : loop)
+                        if (trim.is_tip()) change(patch, trim);
+        };
+        const std::string name = "faces[" + std::to_string(at) + "]";
+        expect(name + ".area", [](Cell&, CellFace& f) { f.area *= 1 + 1e-4; });
+        expect("measures.volume", [](Cell& bad, CellFace&) { bad.measures.volume *= 1 + 1e-4; });
+        expect("measures.max_clearance",
+               [](Cell& bad, CellFace&) { bad.measures.max_clearance *= 1 - 1e-4; });
+        // Short of the tip, and the name of a seam.
+        expect("", [&](Cell&, CellFace& f) {
+            for_tips(f, [](const TrimmedPatch& patch, TrimCurve& trim) {
+                const auto& [v0, v1] = patch.surface.domain_v;
+                for (auto& p : trim.curve.points) p.y() += 1e-3 * (0.5 * (v0 + v1) - p.y());
+            });
+        });
+        expect("", [&](Cell&, CellFace& f) {
+            for_tips(f, [](const TrimmedPatch&, TrimCurve& trim) { trim.seam = 1000; });
+        });
+    }
+    CHECK(single >= 2);
 }
 
 // ---- Around tubes ---------------------------------------------------------------------------------------
@@ -453,7 +553,7 @@ TEST_CASE("vessel cells: the farthest place around a tube may be on no edge") {
         CHECK_MESSAGE(good.holds(), listing(good));
         if (vessel.index() == 3) CHECK(cell.measures.max_clearance == doctest::Approx(1.125).epsilon(1e-12));
         Cell bad = cell;
-        bad.measures.max_clearance *= 1 - 1e-6;
+        bad.measures.max_clearance *= 1 - 1e-4;
         CHECK(is_refuted(certify(bad, {50, 1, 4}), "measures.max_clearance"));
     }
 }

@@ -1,0 +1,51 @@
+#include "tips.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+namespace vcell::check {
+
+// A point k along the axis w from its point or apex is q + k a from the base's centre, or across the base's
+// axis, and is to be S k + rho away from there, rho the sum of the radii: (a^2 - S^2) k^2 + 2 (q a - S rho) k
+// + q^2 - rho^2 = 0.
+std::vector<Tip> tips_of(const Space<Interval>& space, const Object& object) {
+    if (!std::holds_alternative<HollowCylinder>(object) && !std::holds_alternative<HollowCone>(object))
+        return {};
+    const Surface<Interval>&base = space.base(), vessel(object);
+    const auto across = [&](const Vector<Interval>& v) {
+        if (base.kind == Surface<Interval>::Kind::sphere) return v;
+        return v - dot(v, base.direction) * base.direction;
+    };
+    const Vector<Interval>& w = vessel.direction;
+    Vector<Interval> point = vessel.point;
+    // Any point of a tube's axis will do, and one near the base leaves most digits.
+    if (!vessel.is_cone) point = point + dot(base.point - point, w) * w;
+    const Vector<Interval> q = across(point - base.point), a = across(w);
+    const Interval zero(0.0), rho = vessel.radius + base.radius, squared = square(a) - square(vessel.sine),
+                              half = dot(q, a) - vessel.sine * rho, rest = square(q) - square(rho),
+                              discriminant = square(half) - squared * rest;
+    if (discriminant.upper() < 0) return {};
+    const Interval root = sqrt(Interval(std::max(0.0, discriminant.lower()), discriminant.upper()));
+    // One of both is without cancellation; the other one is what both make together over that.
+    const Interval sum = half.mid() < 0 ? root - half : -(root + half);
+    std::vector<Interval> places;
+    if (squared.lower() > 0 || squared.upper() < 0) places.push_back(sum / squared);
+    if (sum.lower() > 0 || sum.upper() < 0) places.push_back(rest / sum);
+    std::ranges::sort(places, {}, [](const Interval& k) { return k.mid(); });
+    std::vector<Tip> tips;
+    for (const Interval& k : places) {
+        const Interval reach = vessel.sine * k + rho;
+        if (reach.upper() < 0 || (vessel.is_cone && k.upper() < 0)) continue;
+        tips.push_back({point + k * w, reach});
+    }
+    return tips;
+}
+
+double farthest_from(std::span<const Tip> tips, const Vector<Interval>& box) {
+    double least = HUGE_VAL;
+    for (const Tip& tip : tips) least = std::min(least, sqrt(square(box - tip.p)).upper());
+    return least;
+}
+
+}  // namespace vcell::check

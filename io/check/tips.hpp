@@ -1,0 +1,25 @@
+/// Where bisectors with hollow tubes and cones have tips.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "space.hpp"
+
+namespace vcell::check {
+
+/// A point of a vessel's axis that is as far from a base ball or tube as from the vessel's wall.
+struct Tip {
+    Vector<Interval> p;
+    Interval reach;  ///< from the base's centre or axis
+};
+
+/// The tips there may be, nearer to the apex or lower along the axis first; none where there certainly is
+/// none, and none of other objects. Where the axis leans from the base's as much as the wall does, those that
+/// cannot be told are left out.
+std::vector<Tip> tips_of(const Space<Interval>& space, const Object& vessel);
+
+/// How far any point of a box is from the tip that is nearest to all of them, at most; infinite without tips.
+double farthest_from(std::span<const Tip> tips, const Vector<Interval>& box);
+
+}  // namespace vcell::check
