@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "../../core/errors.hpp"
@@ -487,6 +489,7 @@ TEST_CASE("tubes in vessels: random tubes across a cone or a tube, with tips, ag
     std::uniform_real_distribution<double> part(-1, 1);
     CellOptions options;
     options.patches = false;
+    int decided = 0;
     for (int round = 0; round < 4 * rounds(); ++round) {
         CAPTURE(round);
         const Vec3 lean(0.25 * part(rng), 0.25 * part(rng), 1);
@@ -495,8 +498,18 @@ TEST_CASE("tubes in vessels: random tubes across a cone or a tube, with tips, ag
         const Cylinder base{{0, 0.25 * part(rng), 0.25 * part(rng)}, {1, 0.5 * part(rng), 0}, 0.125};
         const Scene scene =
             scene_of(base, {Sphere{{0.25, 0.75, 0.25}, 0.125}, vessel}, {{-0.5, -4, -1.75}, {0.5, 4, 4}});
-        check_against_distances(scene, voronoi_cell(scene, options), rng);
+        // An edge may come too near to a tip.
+        std::optional<Cell> cell;
+        try {
+            cell = voronoi_cell(scene, options);
+        } catch (const UndecidedError& e) {
+            CHECK(std::string(e.what()).find("equally near along a curve") != std::string::npos);
+            continue;
+        }
+        check_against_distances(scene, *cell, rng);
+        ++decided;
     }
+    CHECK(2 * decided > 4 * rounds());
 }
 
 TEST_CASE("tubes in vessels: a face about a hidden tip has measures, but no patches") {
