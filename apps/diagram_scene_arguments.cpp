@@ -37,10 +37,9 @@ void DiagramSceneArguments::add_to(CLI::App& command) {
         ->check(number_complaint)
         ->type_name("XY XZ YZ");
     command
-        .add_option(
-            "--probe", probe_,
-            "radius of a probe: cells end at this clearance, as contacts do, and exposed_area is the "
-            "accessible surface")
+        .add_option("--probe", probe_,
+                    "radius of a probe: cells end at this clearance, as contacts do, and exposed_area is the "
+                    "accessible surface")
         ->check(number_complaint)
         ->type_name("R");
     files_.add_to(command, "Files of balls");

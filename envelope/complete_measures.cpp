@@ -194,8 +194,10 @@ Box room(const BoxSides& sides, unsigned subset, const Box& around) {
 Cell lift(const RadialBaseProblem& problem, const DecidedScene& decided) {
     const double tolerance = decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal());
     const MinimizationDiagram diagram = diagram_of(problem, {});
-    // Some faces in vessels have no patches around a cylinder.
-    const bool is_bare = problem.family.forms.empty() && std::ranges::any_of(problem.objects, is_vessel);
+    // Trims on a cap may be fitted, and widen the bounds; some faces in vessels have no patches around a
+    // cylinder.
+    const bool is_bare = decided.scene.probe ||
+                         (problem.family.forms.empty() && std::ranges::any_of(problem.objects, is_vessel));
     LiftedCell lifted = is_bare ? lift_without_patches(problem, diagram, tolerance, true)
                                 : lift_all_around(problem, diagram, tolerance, true);
     if (decided.scene.probe) name_cap(lifted.cell, decided.cap(), *decided.scene.probe);
@@ -214,9 +216,8 @@ void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, const Decided
     }
 }
 
-CompleteMeasures of_sphere(const DecidedScene& decided) {
+CompleteMeasures of_sphere(const DecidedScene& decided, const Sphere& base) {
     const Scene& scene = decided.scene;
-    const auto& base = std::get<Sphere>(scene.base);
     const double least = least_room * scene.box.diagonal();
     BoxSides sides{scene.box, {}};
     for (unsigned s = 0; s < 6; ++s) {
@@ -239,10 +240,10 @@ CompleteMeasures of_sphere(const DecidedScene& decided) {
 
 class AroundCylinder {
 public:
-    explicit AroundCylinder(const DecidedScene& decided)
+    AroundCylinder(const DecidedScene& decided, const Cylinder& base)
         : decided_(decided),
           scene_(decided.scene),
-          base_(std::get<Cylinder>(decided.scene.base)),
+          base_(base),
           unit_(decided.unit),
           diagonal_(scene_.box.diagonal()),
           least_(least_room * diagonal_),
@@ -311,14 +312,20 @@ private:
     Sum sum_;
 };
 
+// Pre: validate(scene) has passed, but for a probe that may be 0.
+CompleteMeasures measures_of(const Scene& scene) {
+    if (const auto* plane = std::get_if<Plane>(&scene.base)) return of_plane(scene, *plane);
+    const DecidedScene decided = decide(scene);
+    if (const auto* sphere = std::get_if<Sphere>(&decided.scene.base)) return of_sphere(decided, *sphere);
+    return AroundCylinder(decided, std::get<Cylinder>(decided.scene.base))();
+}
+
 }  // namespace
 
 CompleteMeasures complete_measures(const Scene& scene) {
     return in_ieee_arithmetic("complete_measures()", [&] {
         validate(scene);
-        if (const auto* plane = std::get_if<Plane>(&scene.base)) return of_plane(scene, *plane);
-        const DecidedScene decided = decide(scene);
-        return std::holds_alternative<Sphere>(scene.base) ? of_sphere(decided) : AroundCylinder(decided)();
+        return measures_of(scene);
     });
 }
 
@@ -326,7 +333,7 @@ CompleteMeasures complete_body_measures(Scene scene) {
     return in_ieee_arithmetic("complete_body_measures()", [&] {
         validate(scene);
         scene.probe = 0;
-        return of_sphere(decide(scene));
+        return measures_of(scene);
     });
 }
 

@@ -35,7 +35,7 @@ struct DiagramScene {
     /// xy, xz, yz. Zero along axes that do not repeat. Pre: leaning boxes repeat along all axes.
     std::array<double, 3> tilt{0, 0, 0};
     /// Cells end at this clearance (Scene::probe): what a ball of that radius that touches the object
-    /// covers with its centre, and what is behind. Balls are then centred in the box or out of its reach.
+    /// covers with its centre, and what is behind.
     std::optional<double> probe;
     std::string units = "mm";
     std::optional<double> tolerance;  ///< as Scene::tolerance

@@ -183,12 +183,9 @@ void Surroundings::rebuild() {
 
 void Surroundings::send_everything() {
     rebuild();
-    for (std::size_t i = 0; i < parts_.own.size(); ++i) {
-        // A ball beyond the box has no cell that ends at a probe.
-        const bool is_capped = parts_.frame.probe && decided_->is_ball(places_[i]);
+    for (std::size_t i = 0; i < parts_.own.size(); ++i)
         knows_everything_ = knows_everything_ || (hidden_[i].empty() && !decided_->is_wall(places_[i]) &&
-                                                  !decided_->is_bounded(places_[i]) && !is_capped);
-    }
+                                                  !decided_->is_bounded(places_[i]));
     Letter mine;
     mine.put(knows_everything_);
     const std::vector<Letter> wishes = ranks_.share(mine);

@@ -104,6 +104,7 @@ void validate_diagram(const DiagramScene& scene) {
     as_scene.names = scene.names;
     as_scene.box = scene.box;
     as_scene.tolerance = scene.tolerance;
+    as_scene.probe = scene.probe;
     validate(as_scene);
     const auto& tilt = scene.tilt;
     const bool leans = tilt[0] != 0 || tilt[1] != 0 || tilt[2] != 0;
@@ -113,8 +114,6 @@ void validate_diagram(const DiagramScene& scene) {
     for (const double t : tilt)
         if (!std::isfinite(t))
             throw InputError(Kind::NotFinite, InputError::no_object, "tilt", "must be finite");
-    if (scene.probe && !(*scene.probe > 0 && std::isfinite(*scene.probe)))
-        throw InputError(Kind::OutOfRange, InputError::no_object, "probe", "must be positive");
     if (!scene.is_periodic()) return;
     const Lattice lattice(scene);
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
@@ -345,8 +344,6 @@ public:
         try {
             if (decided_.is_bounded(object_))
                 find_ball_cell(kept);
-            else if (decided_.scene().probe && decided_.is_ball(object_))
-                find_beyond_box(decided_.scene().box);
             else
                 find_measures(kept);
         } catch (const UndecidedError& e) {
@@ -396,7 +393,7 @@ private:
 
     // The cell of a ball that is centred on a side of a box that repeats along others, or beyond it.
     void find_cell_beyond(const Sphere& base, const Box& room) {
-        if (decided_.scene().probe) return find_beyond_box(room);
+        require_within_reach(base, room);
         cover_box();
         gather(decided_.bound(object_).bound);
         Found found;
@@ -499,16 +496,13 @@ private:
         return true;
     }
 
-    // The cell of a ball that is centred outside the box, with a probe: nothing, where the box is beyond its
-    // cap.
-    void find_beyond_box(const Box& box) {
-        const Sphere& self = decided_.ball(object_);
-        const Vec3 nearest = self.center.cwiseMax(box.min).cwiseMin(box.max);
-        if (least_distance(Sphere{nearest, 0}, self) < *decided_.scene().probe)
-            throw InputError(Kind::Unsupported, decided_.number(object_),
-                             "objects[" + std::to_string(decided_.number(object_)) + "]",
-                             "is centred outside the box, and reaches into it within the probe");
-        throw InputError(Kind::EmptyBox, decided_.number(object_), "box", "is out of reach within the probe");
+    // A ball that is centred outside the box may end at a probe before that.
+    void require_within_reach(const Sphere& ball, const Box& box) const {
+        const auto& probe = decided_.scene().probe;
+        const Vec3 nearest = ball.center.cwiseMax(box.min).cwiseMin(box.max);
+        if (probe && !(least_distance(Sphere{nearest, 0}, ball) < *probe))
+            throw InputError(Kind::EmptyBox, decided_.number(object_), "box",
+                             "is out of reach within the probe");
     }
 
     // ---- All others ----
@@ -517,6 +511,7 @@ private:
     // is measured where it is asked for, so that it is computed once.
     void find_measures(std::optional<Cell>* kept) {
         cover_box();
+        if (decided_.is_ball(object_)) require_within_reach(decided_.ball(object_), decided_.scene().box);
         if (kept != nullptr && std::holds_alternative<Cylinder>(decided_.scene().objects[object_])) {
             std::vector<Cell> cells = complete_cells(decided_, object_);
             if (cells.size() == 1) {

@@ -67,8 +67,7 @@ public:
     /// Why the object has no cell; empty: it has one.
     const std::string& hidden(std::uint32_t i) const { return part_.hidden[i]; }
 
-    /// Is the cell found among what may touch a bound of it? Otherwise it is found among all objects; or with
-    /// a probe, of a ball outside the box, without any.
+    /// Is the cell found among what may touch a bound of it? Otherwise it is found among all objects.
     bool is_bounded(std::uint32_t i) const;
     /// The box in which a ball's cell is computed: where the scene repeats, one that the cell does not reach
     /// the sides of, as it lies in that of the ball among its own images.

@@ -12,6 +12,7 @@
 
 #include "least.hpp"
 #include "nets.hpp"
+#include "patches.hpp"
 #include "space.hpp"
 
 namespace vcell::check {
@@ -94,5 +95,10 @@ struct Tile {
         return h;
     }
 };
+
+/// Is a tile certainly outside the loops? No curve meets it, nor what joins two, and they do not wind
+/// around it. If they do, its halves are inside, too. What lies between the curves and the true arcs
+/// Faces::check_boundary() answers for: holes far smaller than edges' errors are seen here.
+bool is_outside(const Patch& patch, Tile& tile);
 
 }  // namespace vcell::check

@@ -326,8 +326,9 @@ private:
              ++v)
             mesh_.points.push_back(shell_.vertices[v].point);
         for (std::size_t i = 0; i < lines_.size(); ++i) {
-            // What parts that are joined have left over has no face.
-            if (is_known_line(i) || lines_[i].uses.empty()) continue;
+            // An edge that parts that are joined have left over has no face.
+            const bool is_left_over = i < shell_.edges.size() && lines_[i].uses.empty();
+            if (is_known_line(i) || is_left_over) continue;
             if (sampled_[i].parameters.empty()) sampled_[i].parameters = parameters(i);
             sampled_[i].points.clear();
             if (i < shell_.edges.size()) sample_edge(i);

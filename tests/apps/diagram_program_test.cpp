@@ -342,7 +342,7 @@ TEST_CASE("program: diagram draws a cut and a mesh of all cells") {
     REQUIRE(work.run("diagram balls.txt -o all.VTU -o all.ply -o all.stl").status == 0);
     CHECK(work.read("all.VTU").find("Name=\"neighbor\"") != std::string::npos);
     CHECK(work.read("all.ply").starts_with("ply\n"));
-    for (const char* wrong : {"-o cut.svg", "-o cut.png", "-o cut.svg --cut w=1",
-                              "-o cut.svg --cut z=", "-o a.obj -o a.obj"})
+    for (const char* wrong :
+         {"-o cut.svg", "-o cut.png", "-o cut.svg --cut w=1", "-o cut.svg --cut z=", "-o a.obj -o a.obj"})
         CHECK(work.run(std::string("diagram balls.txt ") + wrong).status == 1);
 }

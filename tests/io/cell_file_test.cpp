@@ -215,7 +215,7 @@ TEST_CASE("cell file: names of sites and kinds, shapes of patches") {
         return cell_complaint(damaged.dump());
     };
     CHECK(with("/faces/0/site", "box:x") ==
-          "faces[0].site: must be \"base\", a side as \"box:-x\" or an end as \"end:+\"");
+          "faces[0].site: must be \"base\", \"cap\", a side as \"box:-x\" or an end as \"end:+\"");
     CHECK(with("/faces/0/site", "end:-") == "accepted");
     CHECK(with("/faces/0/site", -1) == "faces[0].site: must be a non-negative integer, is -1");
     CHECK(with("/faces/0/site", 4294967295u) == "faces[0].site: must be at most 4294967294, is 4294967295");

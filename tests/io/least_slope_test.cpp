@@ -27,7 +27,7 @@ private:
 };
 
 // The signed distance and the direction in which it grows, in doubles.
-std::pair<double, Vec3> distance_from(const Object& object, const Vec3& p) {
+std::pair<double, Vec3> distance_and_gradient(const Object& object, const Vec3& p) {
     if (const auto* plane = std::get_if<Plane>(&object))
         return {plane->normal.normalized().dot(p - plane->point), plane->normal.normalized()};
     if (const auto* ball = std::get_if<Sphere>(&object))
@@ -54,8 +54,8 @@ TEST_CASE("least slope: no gradient is shorter where the excess is small, and at
         double size = 0, least = HUGE_VAL;
         for (int i = 0; i < 20; ++i) {
             const Vec3 p = i == 0 ? middle : Vec3(middle + half * r.point());
-            auto [d, n] = distance_from(scene.objects[0], p);
-            const auto [h, u] = distance_from(scene.base, p);
+            auto [d, n] = distance_and_gradient(scene.objects[0], p);
+            const auto [h, u] = distance_and_gradient(scene.base, p);
             if (space.is_sided(0) && n.dot(check::middle(space.object(0).direction)) < 0) {
                 d = -d;
                 n = -n;
@@ -69,8 +69,8 @@ TEST_CASE("least slope: no gradient is shorter where the excess is small, and at
         CHECK(slope <= least * (1 + 1e-9) + 1e-12);
         if (slope > 0) ++told;
         // Where the excess is known it is the gradient's length itself.
-        const auto [d, n] = distance_from(scene.objects[0], middle);
-        const auto [h, u] = distance_from(scene.base, middle);
+        const auto [d, n] = distance_and_gradient(scene.objects[0], middle);
+        const auto [h, u] = distance_and_gradient(scene.base, middle);
         if (half == 0 && std::abs(d - h) < 0.01 * std::abs(h) && slope > 0)
             CHECK(slope > 0.8 * (n - u).norm());
     }

@@ -80,7 +80,9 @@ TEST_CASE("probe cells: files, meshes and queries know the cap") {
         CHECK(again.str() == file.str());
         CHECK(certify(read).holds());
 
-        const CellMesh mesh = tessellate(cell);
+        MeshOptions options;
+        options.closed = true;
+        const CellMesh mesh = tessellate(cell, options);
         CHECK(is_closed(mesh));
         CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(4e-3));
 

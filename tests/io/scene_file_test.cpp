@@ -117,7 +117,7 @@ TEST_CASE("scene file: each mistake is named with its path") {
         {without("/objects/2/plane", "normal"), "objects[2].plane.normal: missing"},
         {without("/base/plane", "point"), "base.plane.point: missing"},
         {with("/objcts", 1),
-         "objcts: unknown key, known are vcell, base, objects, base_object, box, units, tolerance"},
+         "objcts: unknown key, known are vcell, base, objects, base_object, box, units, tolerance, probe"},
         {with("/objects/3/sphre", 1),
          "objects[3].sphre: unknown key, known are plane, sphere, cylinder, hollow_sphere, hollow_cylinder, hollow_cone, "
          "name"},
