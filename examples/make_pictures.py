@@ -26,6 +26,7 @@ VIEWS = {
     "figure12": "-112,25",
     "cage": "-60,25",
     "bundle": "-60,25",
+    "probe": "-112,25",
 }
 # A sixth of the cell, as in the paper's figure: what the upper side of a cube about the base ball's centre sees.
 CLIPS = {"figure7": ["0 0 0 1 0 1", "0 0 0 -1 0 1", "0 0 0 0 1 1", "0 0 0 0 -1 1"]}

@@ -91,7 +91,8 @@ def write(name, content):
     lines.append("  ],")
     if "base_object" in content:
         lines.append(f'  "base_object": {content["base_object"]},')
-    lines.append(f'  "box": {json.dumps(content["box"])}')
+    probe = f',\n  "probe": {content["probe"]}' if "probe" in content else ""
+    lines.append(f'  "box": {json.dumps(content["box"])}{probe}')
     lines.append("}")
     made[name] = "\n".join(lines) + "\n"
 
@@ -490,6 +491,15 @@ def main():
     write("pile_500.json", scene(pile(500, 50, 20, (0.4, 2.8)), [0, 0, 0], [20, 20, 4]))
 
     in_vessels()
+
+    probed = scene(
+        [sphere((2, 0.5, 0.25), 0.5),
+         cylinder((0, 2, 0), (1, 0.25, 0.5), 0.25),
+         sphere((-1, -1.5, 1), 0.25),
+         sphere((1, -1, -1.25), 0.25)],
+        [-2.25, -2.25, -2.25], [2.25, 2.25, 2.25], cylinder((0, 0, 0), (0.25, 0, 1), 0.25))
+    probed["probe"] = 1
+    write("probe.json", probed)
 
     if options.check:
         files = {path.name: path.read_text(encoding="utf-8") for path in SCENES.glob("*.json")}

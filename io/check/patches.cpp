@@ -148,6 +148,30 @@ std::vector<Eigen::Vector4d> part_of(const std::vector<Eigen::Vector4d>& points,
 
 }  // namespace
 
+// The angle at a place between two others.
+static double turn(const Vec2& from, const Vec2& to, const Vec2& uv) {
+    const Vec2 a = from - uv, b = to - uv;
+    return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+}
+
+static bool is_beside(const Vec2& lo, const Vec2& hi, const Vec2& uv, const Vec2& near) {
+    return (uv.array() < (lo - near).array()).any() || (uv.array() > (hi + near).array()).any();
+}
+
+// Outside of the box of all its control points a trim turns as its chord does.
+static std::optional<double> swept(const Trim& trim, const Vec2& uv, const Vec2& near) {
+    if (is_beside(trim.lo, trim.hi, uv, near)) return turn(trim.first_point(), trim.last_point(), uv);
+    double total = 0;
+    for (const auto& piece : trim.pieces) {
+        const auto angle = swept(piece, uv, near);
+        if (!angle) return std::nullopt;
+        total += *angle;
+    }
+    return total;
+}
+
+static bool is_once_around(double turned) { return std::lround(turned / (2 * std::numbers::pi)) == 1; }
+
 std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding) {
     const Vec2 within = uv.cwiseMax(patch.lo).cwiseMin(patch.hi);
     const Vec2 rate = parameters_per_length(lift(patch, within));
@@ -155,50 +179,26 @@ std::optional<bool> inside(const Patch& patch, const Vec2& uv, double rounding) 
     for (const auto& loop : patch.loops)
         for (const Trim& trim : loop) {
             const Vec2 near = kNearEdge * (patch.hi - patch.lo) + (trim.error + rounding) * rate;
-            // Outside of the box of all its control points the curve turns as its chord does.
-            if ((uv.array() < (trim.lo - near).array()).any() ||
-                (uv.array() > (trim.hi + near).array()).any()) {
-                const Vec2 a = trim.first_point() - uv, b = trim.last_point() - uv;
-                total += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-                continue;
-            }
-            for (const auto& piece : trim.pieces) {
-                const auto angle = swept(piece, uv, near);
-                if (!angle) return std::nullopt;
-                total += *angle;
-            }
+            const auto angle = swept(trim, uv, near);
+            if (!angle) return std::nullopt;
+            total += *angle;
         }
-    return std::lround(total / (2 * std::numbers::pi)) == 1;
+    return is_once_around(total);
 }
 
 // What joins two trims counts as the straight line between their ends.
 std::optional<bool> is_wound_around(const Patch& patch, const Vec2& uv) {
     const Vec2 near = patch.parameter_rounding();
-    const auto is_off = [&](const Vec2& lo, const Vec2& hi) {
-        return (uv.array() < (lo - near).array()).any() || (uv.array() > (hi + near).array()).any();
-    };
-    const auto turn = [&](const Vec2& from, const Vec2& to) {
-        const Vec2 a = from - uv, b = to - uv;
-        return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-    };
     double total = 0;
     for (const auto& loop : patch.loops)
         for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Trim &trim = loop[i], &next = loop[(i + 1) % loop.size()];
-            const Vec2 end = trim.last_point(), start = next.first_point();
-            if (!is_off(end.cwiseMin(start), end.cwiseMax(start))) return std::nullopt;
-            total += turn(end, start);
-            if (is_off(trim.lo, trim.hi)) {
-                total += turn(trim.first_point(), end);
-                continue;
-            }
-            for (const auto& piece : trim.pieces) {
-                const auto angle = swept(piece, uv, near);
-                if (!angle) return std::nullopt;
-                total += *angle;
-            }
+            const Vec2 end = loop[i].last_point(), start = loop[(i + 1) % loop.size()].first_point();
+            if (!is_beside(end.cwiseMin(start), end.cwiseMax(start), uv, near)) return std::nullopt;
+            const auto angle = swept(loop[i], uv, near);
+            if (!angle) return std::nullopt;
+            total += *angle + turn(end, start, uv);
         }
-    return std::lround(total / (2 * std::numbers::pi)) == 1;
+    return is_once_around(total);
 }
 
 const RationalPatch& Patch::part() const {

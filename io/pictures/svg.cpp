@@ -227,7 +227,7 @@ private:
         pixel_ = (extent.x() + 2 * margin) / width;
         const double height =
             extent.y() + 2 * margin +
-            (has_lengths_ || has_hatches() || !levels_.empty() ? legend_height * pixel_ : 0);
+            (has_lengths_ || !hatched().empty() || !levels_.empty() ? legend_height * pixel_ : 0);
         print(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{:.0f}\" height=\"{:.0f}\" "
             "viewBox=\"{} {} {} {}\">\n",
@@ -301,9 +301,18 @@ private:
               xml_escaped(text));
     }
 
-    bool has_hatches() const {
-        return std::ranges::any_of(
-            cell_.faces, [&](const CellFace& f) { return !f.site.is_object() && !is_entered(cell_, f); });
+    /// What no object owns.
+    std::string hatched() const {
+        bool has_side = false, has_cap = false;
+        for (const CellFace& f : cell_.faces) {
+            const bool is_cap = f.site.kind == Site::Kind::Cap;
+            has_cap = has_cap || is_cap;
+            has_side = has_side || !(is_cap || f.site.is_object() || is_entered(cell_, f));
+        }
+        return has_side && has_cap ? "sides of the box, the cap"
+               : has_side          ? "sides of the box"
+               : has_cap           ? "the cap"
+                                   : "";
     }
 
     /// Under the picture: how long a length is, and what is hatched.
@@ -324,10 +333,11 @@ private:
                   xml_escaped(cell_.scene.units));
             x += 220 * pixel_;
         }
-        if (!has_hatches()) return;
+        const std::string words = hatched();
+        if (words.empty()) return;
         print("<rect class=\"box\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", paths_.number(x),
               paths_.number(-line - 11 * pixel_), paths_.number(22 * pixel_), paths_.number(12 * pixel_));
-        print("<text class=\"words\" {}>sides of the box</text>\n", in_pixels({x + 28 * pixel_, line}));
+        print("<text class=\"words\" {}>{}</text>\n", in_pixels({x + 28 * pixel_, line}), words);
     }
 
     void face(std::size_t index) {
