@@ -76,6 +76,7 @@ CurveKind SphereConicKind::operator()(FormId f, FormId g, const Approximate& p, 
 }
 
 bool SphereConicKind::are_parallel(FormId f, FormId g, const Vec3& p, const Vec3& q) {
+    if (p.isZero(0) || q.isZero(0)) return true;
     if (p.cross(q).cwiseAbs().maxCoeff() > 4 * u * p.norm() * q.norm()) {
         ++decisions_.by_double;
         return false;

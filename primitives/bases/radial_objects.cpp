@@ -66,6 +66,10 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
         drop_beyond_wall(hollow_balls.objects[k], [&](const auto& solid) {
             using Solid = std::decay_t<decltype(solid)>;
             if constexpr (std::is_same_v<Solid, Ball>) {
+                // Doubles, a few roundings off, see that most are well within.
+                constexpr double well_within = 1 - 0x1p-40;
+                const double away = (Vec3(solid.cx, solid.cy, solid.cz) - vessel.center).norm();
+                if (away < well_within * (vessel.radius + solid.rho)) return false;
                 const ExactVector way = ExactVector(Vec3(solid.cx, solid.cy, solid.cz)) - center;
                 return !is_within(dot(way, way), R + solid.rho, 1.0);
             } else if constexpr (std::is_same_v<Solid, HalfSpace>) {
