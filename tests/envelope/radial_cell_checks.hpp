@@ -120,7 +120,8 @@ inline void check_patch(const Cell& cell, const TrimmedPatch& patch, std::vector
 
 /// Vertices and edges equally far from base and sites, with nothing nearer; trims under their edges; loops
 /// closed, the outer one counter-clockwise and the others clockwise; every edge once in each direction.
-inline void check_cell(const Cell& cell) {
+/// `exact`: what conics may be off by, as a part of the box's diagonal, with what rounding leaves of patches.
+inline void check_cell(const Cell& cell, double exact = 1e-9) {
     const Scene& scene = cell.scene;
     const double length = scene.box.diagonal();
     for (const CellVertex& v : cell.vertices) {
@@ -138,7 +139,7 @@ inline void check_cell(const Cell& cell) {
     for (const CellEdge& edge : cell.edges) {
         const double tolerance = slack(cell, edge);
         CHECK(edge.error > 0);
-        if (edge.kind != CurveKind::Spline) CHECK(edge.error <= 1e-9 * length);
+        if (edge.kind != CurveKind::Spline) CHECK(edge.error <= exact * length);
         for (int k = 0; k <= 16; ++k) {
             const Vec3 p = edge.curve.evaluate(k / 16.0);
             for (const Site site : edge.sites) CHECK(residual(scene, site, p) <= tolerance);
