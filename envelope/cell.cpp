@@ -39,13 +39,18 @@ bool is_entered(const Cell& cell, const CellFace& face) {
            lets_rays_in(cell.scene, face.site.index);
 }
 
-void name_cap(Cell& cell, Site cap, double probe) {
+// Lists of sites are ascending.
+static void rename(Cell& cell, Site from, Site to) {
     for_each_site(cell, [&](Site& site) {
-        if (site == cap) site = Site::cap();
+        if (site == from) site = to;
     });
     for (CellVertex& v : cell.vertices) std::ranges::sort(v.sites);
     for (CellEdge& e : cell.edges) std::ranges::sort(e.extra_sites);
     for (CellFace& f : cell.faces) std::ranges::sort(f.extra_sites);
+}
+
+void name_cap(Cell& cell, Site cap, double probe) {
+    rename(cell, cap, Site::cap());
     std::erase(cell.neighbors, cap.index);
     Measures& m = cell.measures;
     if (m.area == not_measured) return;
@@ -62,11 +67,9 @@ Cell with_cap_as_object(Cell cell) {
     cell.scene = with_cap(std::move(cell.scene));
     cell.scene.probe.reset();
     const Site cap = Site::object(cell.scene.number(cell.scene.objects.size() - 1));
-    for_each_site(cell, [&](Site& site) {
-        if (site == Site::cap()) site = cap;
-    });
-    for (CellVertex& v : cell.vertices) std::ranges::sort(v.sites);
-    // Neighbours come by their faces' areas.
+    rename(cell, Site::cap(), cap);
+    // Neighbours come by their faces' areas. The others stay in the order in which they are, which may be
+    // wrong.
     const auto area_of = [&](std::uint32_t object) {
         double area = 0;
         for (const CellFace& f : cell.faces)

@@ -37,7 +37,7 @@ struct CompleteMeasures {
     double volume = 0, volume_error = 0;
     /// That region's boundary without the sides of the box has this area.
     double area = 0, area_error = 0;
-    /// Of the cap, where the scene has a probe.
+    /// The cap has this area, where the scene has a probe.
     double exposed_area = 0, exposed_error = 0;
 
     struct Neighbor {
@@ -56,7 +56,8 @@ struct CompleteMeasures {
 /// there, InputError says so.
 ///
 CompleteMeasures complete_measures(const Scene& scene);
-/// Of a ball's own body, where that is nearer to the ball than to any object: the region ends at clearance 0.
+/// These measure a ball's own body, where that is nearer to the ball than to any object: the region ends at
+/// clearance 0.
 /// Pre: the base is a sphere, not a point; no probe.
 CompleteMeasures complete_body_measures(Scene scene);
 

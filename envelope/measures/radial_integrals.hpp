@@ -177,7 +177,7 @@ struct TubeFace {
 
     TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const { return 0.5 * std::abs(side * length - delta); }
-    /// Of a hollow one: what lies between the place where integrals start and the tip, all around the axis. A
+    /// What lies between the place where integrals start and a hollow one's tip, all around the axis. A
     /// face that holds the tip has it besides what its edges add up to. Truncation is estimated from two
     /// rules, rounding is to first order, doubled.
     Share until_tip(const VesselTip& tip) const;

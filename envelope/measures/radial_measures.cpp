@@ -38,10 +38,10 @@ const radial_integrals::RoundFace* as_closed(const RadialFace& face) {
 std::vector<Vec3> places_head_on(const Object& vessel, const BaseChart& chart) {
     const double R0 = chart.radius;
     if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
-        const Vec3 c = ball->center, away(c.x(), chart.across(c.y()), c.z());
+        const Vec3 foot = chart.foot_below(ball->center), away = ball->center - foot;
         const double off = away.norm(), t = 0.5 * (ball->radius + R0 + off);
         const Vec3 u = off > 0 ? Vec3(away / off) : Vec3::UnitX().eval();
-        return {c - away + t * u};
+        return {foot + t * u};
     }
     const auto* cone = std::get_if<HollowCone>(&vessel);
     const auto* tube = std::get_if<HollowCylinder>(&vessel);
@@ -243,7 +243,7 @@ private:
     // the wall meet head on: nothing later on has the place unless an edge runs through it.
     void add_farthest(FormId form) {
         for (const Vec3& p : farthest_places(form)) {
-            const double t = from_base(p).norm(),
+            const double t = problem_.chart.distance(p),
                          error = 16 * u * (t + p.norm() + reach(problem_.objects[form])),
                          height = problem_.chart.along(p.y()),
                          room = height < problem_.stretch[0] || height > problem_.stretch[1]
@@ -255,8 +255,6 @@ private:
                 greatest_[1] = std::max(greatest_[1], t + error);
         }
     }
-    // From the base's centre or axis.
-    Vec3 from_base(const Vec3& p) const { return {p.x(), problem_.chart.across(p.y()), p.z()}; }
     // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too. At
     // a tip the bisector has no tangent plane; around a ball only those are far from it in a tube or cone.
     std::vector<Vec3> farthest_places(FormId form) const {

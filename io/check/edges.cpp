@@ -330,7 +330,7 @@ private:
     /// Halvings after which gradients that are still parallel somewhere are taken to be so at a point.
     static constexpr int kTouching = 12;
 
-    /// Of an edge of many spans each may be divided into some.
+    /// An edge of many spans gets more, so that each may be divided.
     std::size_t parts_allowed(std::size_t spans) const {
         constexpr std::size_t few = 16;
         return (std::size_t{1} << std::clamp(options_.effort, 0, 40)) * std::max(spans, few) / few;

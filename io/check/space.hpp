@@ -351,7 +351,7 @@ public:
     /// A base cylinder's, along its axis from its point.
     const std::array<T, 2>& stretch() const { return stretch_; }
 
-    /// Of a tube next to a base tube, likewise with that.
+    /// A tube next to a base tube has them with that.
     std::optional<std::array<Vector<T>, 2>> axes_of_twin(std::uint32_t i) const {
         return near_axes(to_vector<T>(std::get<Cylinder>(scene_.objects[i]).axis),
                          to_vector<T>(std::get<Cylinder>(scene_.base).axis), base_.direction);

@@ -12,8 +12,8 @@
 
 namespace vcell {
 
-// Of a line's parameters, against its length: places that trimming curves of one line share were rounded
-// on the way from one to the other.
+// Parameters agree to this part of a line's length: places that trimming curves of one line share were
+// rounded on the way from one to the other.
 inline constexpr double break_rounding = 1e-12;
 
 /// A cell edge or a seam as a polyline: parameters, ends included, and mesh points. A seam has those of the

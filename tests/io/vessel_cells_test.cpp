@@ -60,6 +60,25 @@ bool is_refuted(const Certificate& c, const std::string& where) {
     });
 }
 
+void check_file(const Cell& cell) {
+    std::stringstream file;
+    write_cell(file, cell);
+    CHECK(certify(parse_cell(file.str())).holds());
+}
+
+// expect(where, damage): a cell with one of its faces damaged is refuted there.
+struct DamagedFace {
+    const Cell& cell;
+    std::size_t face;
+
+    void operator()(const std::string& where, const std::function<void(Cell&, CellFace&)>& damage) const {
+        Cell bad = cell;
+        damage(bad, bad.faces[face]);
+        const Certificate c = certify(bad, {50, 1, 4});
+        CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
+    }
+};
+
 TEST_CASE("vessel cells: scenes and cells survive their files") {
     for (const Object& vessel : {ball, tube, cone}) {
         const Scene scene = near_wall(vessel);
@@ -330,17 +349,8 @@ TEST_CASE("vessel cells: faces around a vessel's axis are certified, meshed, and
         CHECK(is_closed(mesh));
         CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(4e-3));
 
-        std::stringstream file;
-        write_cell(file, cell);
-        CHECK(certify(parse_cell(file.str())).holds());
-
-        const auto expect = [&](const std::string& where,
-                                const std::function<void(Cell&, CellFace&)>& damage) {
-            Cell bad = cell;
-            damage(bad, bad.faces[at]);
-            const Certificate c = certify(bad, {50, 1, 4});
-            CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
-        };
+        check_file(cell);
+        const DamagedFace expect{cell, at};
         const std::string name = "faces[" + std::to_string(at) + "]";
         expect(name + ".area", [](Cell&, CellFace& f) { f.area *= 1 + 1e-4; });
         expect("measures.volume", [](Cell& bad, CellFace&) { bad.measures.volume *= 1 + 1e-4; });
@@ -405,17 +415,8 @@ TEST_CASE("vessel cells: faces with tips are certified, meshed, made solid, and 
         CHECK(std::isfinite(moments.centroid.norm()));
         CHECK(moments.centroid_error < 1e-4 * std::cbrt(scale));
 
-        std::stringstream file;
-        write_cell(file, cell);
-        CHECK(certify(parse_cell(file.str())).holds());
-
-        const auto expect = [&](const std::string& where,
-                                const std::function<void(Cell&, CellFace&)>& damage) {
-            Cell bad = cell;
-            damage(bad, bad.faces[at]);
-            const Certificate c = certify(bad, {50, 1, 4});
-            CHECK_MESSAGE(is_refuted(c, where), "expected ", where, ", found\n", listing(c));
-        };
+        check_file(cell);
+        const DamagedFace expect{cell, at};
         const auto for_tips = [](CellFace& f, const auto& change) {
             for (TrimmedPatch& patch : f.patches)
                 for (auto& loop : patch.loops)
