@@ -12,25 +12,14 @@
 namespace vcell {
 
 std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) {
-    Work work{boundary,
+    Work work{{boundary},
               normals_ ? &*normals_ : nullptr,
               normals_ ? &*supports_ : nullptr,
               heights_,
               rule_,
               decisions_,
               parts_,
-              false,
-              {},
-              {},
-              {},
-              spreads_,
-              {},
-              {},
-              {},
-              0,
-              0,
-              false,
-              {}};
+              spreads_};
     double x0 = infinity, x1 = -infinity, y0 = infinity, y1 = -infinity;
     for (const IntervalPoint& c : boundary.corners) {
         x0 = std::min(x0, c[0].lower());

@@ -269,7 +269,9 @@ private:
                                                               std::span<const FormId> forms);
     std::optional<RimTransition> find_tie(const Line& line, double s0, FormId l0, double s1, FormId l1,
                                           std::span<const FormId> forms);
+    enum class Inside { No, Yes, Unknown };
     struct Change;
+    struct Drawing;
     struct Work;
     void cull_by_curvature(Work& work);
     bool stays_above(const Work& work, const Spread& g, const Spread& f) const;
@@ -300,7 +302,6 @@ private:
     bool join_pair(Work& work, const Eigen::Vector2d& direction, FormId f, FormId g,
                    std::vector<Change>& ends);
     void join_at_center(Work& work);
-    enum class Inside { No, Yes, Unknown };
     bool is_well_known(const Eigen::Vector2d& p, double error, std::span<const FormId> forms,
                        double extent) const;
     bool locate_vertex(const Work& work, const std::array<FormId, 3>& forms, MixedPiece::Vertex& v);

@@ -1,31 +1,22 @@
-/// Insertion of one more form into a diagram of discs: what it is compared with, and how its face is cut in.
+/// Insertion of one more form into a diagram of discs: which faces it reaches, and how its own is cut in.
 ///
 /// A form is inserted as the paper compares two surfaces [HE, section 2.1], but against the faces of the
 /// diagram so far that it may conflict with. What it takes away is known from signs at vertices and along
-/// edges, as long as no face is cut in more than two: circles meet in two points at most.
+/// edges (disc_comparison.hpp), as long as no face is cut in more than two: circles meet in two points at
+/// most.
 ///
 /// The points of space where the new form c is the lowest are a convex polyhedron P, and it wins where P
-/// meets the sphere. That tells how far to look:
-/// - A part of P on the sphere that holds no vertex is the only one. It passes from face to face across edges
-///   without running in circles, as faces are discs; so it has a last face f, next to g. There it is all of
-///   c < f and c < g that lies in f, as three circles through two points leave nothing else, and what is left
-///   without f has one face less. With one face it is a whole cap, and P lies in the half-space of that.
-///   So, if c wins at any vertex, then in each part at one at least, and from those the faces that it
-///   reaches are found across edges.
-/// - A short arc lies in the triangle of its ends and the point where its tangents there meet, and c - f is
-///   linear: signs in the three corners tell that c wins nowhere on it.
-/// - A face f within a hemisphere lies above the convex hull of its boundary, seen along the axis to the
-///   pole. So where c loses on the boundary and c - f does not fall towards the pole, c loses in the face,
-///   too. The pole is where f is lowest, and a form that others have beaten is mostly flatter than f.
-/// A small diagram is looked through for vertices, a large one has a tree of them.
+/// meets the sphere. A part of P on the sphere that holds no vertex is the only one. It passes from face to
+/// face across edges without running in circles, as faces are discs; so it has a last face f, next to g.
+/// There it is all of c < f and c < g that lies in f, as three circles through two points leave nothing else,
+/// and what is left without f has one face less. With one face it is a whole cap, and P lies in the
+/// half-space of that. So, if c wins at any vertex, then in each part at one at least, and from those the
+/// faces that it reaches are found across edges. A small diagram is looked through for vertices, a large one
+/// has a tree of them.
 ///
-/// A form that doubles cannot tell from a vertex is compared with it by the kernel of circles, exactly. The
-/// edges that this leaves may be too short to have a direction in doubles: they lie in a ball about their
-/// ends.
-///
-/// Where it ties with the vertex it counts as the higher one. That is the diagram of forms of which each is
-/// raised by an infinitesimal that is beyond all multiples of those before: vertices have three edges still,
-/// and those in which more forms tie are several, joined by edges without length. Of these it is known
+/// Where the form ties with a vertex it counts as the higher one. That is the diagram of forms of which each
+/// is raised by an infinitesimal that is beyond all multiples of those before: vertices have three edges
+/// still, and those in which more forms tie are several, joined by edges without length. Of these it is known
 /// exactly that both their ends are one point. In the end they are contracted, and the vertices have all
 /// their forms. Where the form ties along an edge it is higher there, too: it belongs to the edge's label. If
 /// it is lower on one side of the edge, the face there keeps a sliver of two edges on one circle. In the end
@@ -34,23 +25,17 @@
 /// tie inside faces.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
-#include <optional>
 #include <utility>
-#include <vector>
 
-#include "disc_geometry.hpp"
-#include "sphere_diagram.hpp"
+#include "disc_comparison.hpp"
 
 namespace vcell::discs {
 
-class DiscInsertion : protected DiscGeometry {
+class DiscInsertion : protected DiscComparison {
 protected:
-    using DiscGeometry::DiscGeometry;
+    using DiscComparison::DiscComparison;
 
     /// Merges in one more form. False where that is no common case: the diagram is broken then.
     bool insert(Index challenger) {
@@ -111,127 +96,10 @@ protected:
         return true;
     }
 
-    /// What all vertices, edges and faces tell, for whoever searches for more forms.
-    SphereMarks marks() {
-        SphereMarks marks;
-        marks.steepest = steepest_;
-        marks.places.reserve(vertices_.size() + edges_.size());
-        for (const Vertex& v : vertices_)
-            if (!v.is_gone()) marks.places.push_back({v.p, v.level});
-        for (Index e = 0; e < edges_.size() && marks.are_all; ++e) {
-            const Edge& edge = edges_[e];
-            if (edge.apex.is_gone() || edge.is_point) continue;
-            if (edge.apex.doubt < HUGE_VAL)
-                marks.places.push_back({edge.apex.p, edge.apex.level});
-            else
-                add_parts(e, marks);
-        }
-        for (Index f = 0; f < faces_.size() && marks.are_all; ++f) {
-            if (faces_[f].start == none) continue;
-            const Linear& form = forms_[f];
-            if (is_in_hemisphere(f))
-                add_gradient(form, form.b.normalized(), marks);
-            else
-                marks.are_all = add_wide_face(f, marks);
-        }
-        return marks;
-    }
-
-    // An arc whose angle is known: neither next to nothing nor next to all of its circle, which would look
-    // alike.
-    struct LongArc {
-        Vector3d center, from, across;  // from: seen from the centre; across: a quarter of a turn on
-        double angle;
-    };
-    std::optional<LongArc> long_arc(Index e) const {
-        constexpr double enough = 0x1p-40;  // for add_apex()
-        constexpr double pi = std::numbers::pi, least_angle = 0x1p-10;
-        const Edge& edge = edges_[e];
-        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
-        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
-        LongArc arc;
-        arc.center = edge.offset / edge.square * edge.normal;
-        arc.from = p.p - arc.center;
-        arc.across = edge.normal.cross(arc.from) / edge.length;
-        const Vector3d to = q.p - arc.center;
-        arc.angle = std::atan2(arc.across.dot(to), arc.from.dot(to));
-        if (arc.angle < 0) arc.angle += 2 * pi;
-        if (radius2 > least_square && p.error + q.error + edge.error / edge.length < enough &&
-            arc.angle > least_angle && arc.angle < 2 * pi - least_angle)
-            return arc;
-        return std::nullopt;
-    }
-    bool is_long(Index e) const { return long_arc(e).has_value(); }
-
     SomeIndices alive_faces_;  // as long as there is no tree
 
 private:
     static constexpr std::size_t largest_small = 96;  // faces of a diagram without a tree
-
-    static void add_gradient(const Linear& form, const Vector3d& up, SphereMarks& marks) {
-        marks.gradients.push_back({up, form.b.dot(up) - 2 * (form.error + slack * form.slope)});
-    }
-    // A face that is in no hemisphere about the point z where its form is lowest, but still far from the
-    // opposite point. Where another form wins in the face and nowhere on its boundary it does so in a cap
-    // within; if it wins nowhere either on spokes, from z to where the face ends, the cap is in a sector
-    // between two of them, and each of those lies in a hemisphere.
-    bool add_wide_face(Index face, SphereMarks& marks) {
-        SphereMarks around;
-        for_boundary(face, [&](Index h) {
-            const Mark& apex = edges_[h >> 1].apex;
-            around.places.push_back({vertices_[half_edges_[h].origin].p, 0});
-            if (apex.doubt < HUGE_VAL)
-                around.places.push_back({apex.p, 0});
-            else
-                add_parts(h >> 1, around);
-        });
-        const Linear& form = forms_[face];
-        const Vector3d up = form.b.normalized();
-        // The boundary is in this half-space, beyond the errors of marks, and so is the face.
-        constexpr double margin = 0x1p-20, most_depth = 0.5;
-        double depth = 0;
-        for (const auto& mark : around.places) depth = std::max(depth, mark.p.dot(up) + margin);
-        if (!(around.are_all && depth < most_depth && is_outside(face, up))) return false;
-        constexpr int spokes = 4, parts = 3;
-        const double reach = std::acos(-depth), half = 0.5 * reach / parts;
-        const Vector3d x = up.unitOrthogonal(), y = up.cross(x);
-        const auto direction = [&](double around_z, double from_z) {
-            const Vector3d across = std::cos(around_z) * x + std::sin(around_z) * y;
-            return Vector3d(std::sin(from_z) * across - std::cos(from_z) * up);
-        };
-        constexpr double sector = 2 * std::numbers::pi / spokes;
-        // The corners of a sector are the farthest from its middle.
-        if (!(direction(0, 0.5 * reach).dot(direction(0.5 * sector, reach)) > margin)) return false;
-        for (int k = 0; k < spokes; ++k) {
-            for (int i = 0; i < parts; ++i)
-                add_apex(form, form, direction(k * sector, (2 * i + 1) * half) / std::cos(half), marks);
-            add_gradient(form, -direction((k + 0.5) * sector, 0.5 * reach), marks);
-        }
-        return true;
-    }
-    // That tangents in the ends of an arc meet there is true but for `blur`, which is far more than errors
-    // and rounding.
-    void add_apex(const Linear& f, const Linear& g, const Vector3d& apex, SphereMarks& marks) const {
-        constexpr double blur = 0x1p-24;
-        marks.places.push_back(
-            {apex, f(apex) + 2 * std::max(f.error, g.error) + (f.slope + steepest_) * blur});
-    }
-
-    // Adds the apexes of the parts of an arc of any length.
-    void add_parts(Index e, SphereMarks& marks) const {
-        constexpr double most_angle = std::numbers::pi / 3;
-        const auto arc = long_arc(e);
-        marks.are_all = arc.has_value();
-        if (!marks.are_all) return;
-        const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
-        const int parts = static_cast<int>(arc->angle / most_angle) + 1;
-        const double half = 0.5 * arc->angle / parts, reach = 1 / std::cos(half);
-        for (int i = 0; i < parts; ++i) {
-            const double turn = (2 * i + 1) * half;
-            add_apex(f, g, arc->center + reach * (std::cos(turn) * arc->from + std::sin(turn) * arc->across),
-                     marks);
-        }
-    }
 
     void add_rival(Index face) {
         if (std::exchange(faces_[face].stamp, stamp_) != stamp_) rivals_.push_back(face);
@@ -365,106 +233,6 @@ private:
             swallowed_.push_back(face);
         return true;
     }
-    // Does the challenger win or lose all of a face whose boundary it does not cross? It does unless the
-    // circle where both tie lies within the face.
-    bool is_within(const Linear& form, Index face) {
-        const Linear& rival = forms_[face];
-        ++decisions_.by_double;
-        const bool is_lost = is_taken(vertices_[half_edges_[faces_[face].start].origin]);
-        const Vector3d gradient = form.b - rival.b;
-        const double slope = gradient.norm(), offset = form.e - rival.e, side = is_lost ? 1 : -1;
-        return side * offset + slope < -(form.error + rival.error) ||
-               is_outside(face, side / slope * gradient);
-    }
-    // Of a form that is beaten on the face's boundary: in the face, too?
-    bool is_beaten_in(const Linear& form, Index face) {
-        return (grows_to_pole(form, forms_[face]) && is_in_hemisphere(face)) || is_within(form, face);
-    }
-    // Compares form and diagram at the vertex. False where a form that is not the family's is too near.
-    bool decide(Vertex& v, const Linear& form) {
-        v.stamp = stamp_;
-        ++decisions_.by_double;
-        if (v.is_below(form)) return true;
-        v.taken = stamp_;
-        return v.is_above(form) || decide_exactly(v, form);
-    }
-    [[gnu::noinline]] bool decide_exactly(Vertex& v, const Linear& form) {
-        --decisions_.by_double;
-        const auto challenger = static_cast<Index>(&form - forms_.data());
-        const auto sign = exact_sign(v, challenger);
-        if (sign != Sign::Negative) v.taken = 0;
-        if (sign == Sign::Zero) {
-            add_tie(v.ties, challenger);
-            if (is_point_asked_) {
-                ties_[v.ties].point = point_;
-                ties_[v.ties].generation = generation_;
-            }
-        }
-        return sign.has_value();
-    }
-    // Does the challenger tie along the edge, and so on its whole circle? Then that is kept with the edge.
-    [[gnu::noinline]] bool ties_along(Index e, const Linear& form) {
-        const auto challenger = static_cast<Index>(&form - forms_.data());
-        if (are_on_one_circle(left(2 * e), right(2 * e), challenger) != true) return false;
-        add_tie(edges_[e].ties, challenger);
-        return true;
-    }
-    // Without a tree all vertices have been compared.
-    bool is_decided(Vertex& v, const Linear& form) {
-        return !vertex_tree_ || v.stamp == stamp_ || decide(v, form);
-    }
-    bool is_taken(const Vertex& v) const { return v.taken == stamp_; }
-    // Of an edge in both ends of which challenger - rival has one sign: so in the whole triangle about the
-    // arc?
-    static bool is_beside(const Edge& edge, bool is_taken, const Linear& form) {
-        return is_taken ? edge.apex.is_above(form) : edge.apex.is_below(form);
-    }
-    enum class Middle { Same, Differs, Unknown };
-    // Challenger - rival has one sign in both ends of an edge: does it have the other one in between? Then
-    // middle_ is where it has most of it.
-    Middle look_between(Index e, bool is_taken, const Linear& form) {
-        ++decisions_.by_double;
-        const Edge& edge = edges_[e];
-        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
-        const Linear& rival = forms_[left(2 * e)];
-        const Vector3d gradient = form.b - rival.b;
-        const double sign = is_taken ? -1 : 1, offset = form.e - rival.e, error = form.error + rival.error,
-                     slope = gradient.norm(), end_error = std::max(p.error, q.error);
-        // All around the circle it is a sinusoid plus a constant.
-        const double length = edge.length, along = gradient.dot(edge.normal) / edge.square;
-        const double at_center = along * edge.offset + offset;
-        const Vector3d across = gradient - along * edge.normal;
-        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
-        if (!(radius2 > least_square) || !is_well_known(edge)) return Middle::Unknown;
-        const double steepness = across.norm(), radius = std::sqrt(radius2);
-        // The centre's value moves by 2 e of the slope, the circle's highest by R's 32 e more.
-        const double doubt = 4 * error + slope * (64 * edge.error / length + slack);
-        const double extreme = sign * at_center - steepness * radius;
-        if (extreme > doubt) return Middle::Same;
-        // Less steep along the circle, a form has its extreme anywhere on it, for doubles.
-        constexpr double least_steepness = 0x1p-20;
-        if (!(extreme < -doubt) || !(steepness > least_steepness * slope)) return Middle::Unknown;
-        const Vector3d center = edge.offset / edge.square * edge.normal;
-        middle_ = center - sign * radius / steepness * across;
-        // n.(a x b) for two points seen from the centre: each end is off by its error, the centre counts
-        // across n only, e times |a - b| <= 2, and n itself by dn R^2.
-        const double turn_doubt =
-            length * (2 * end_error + slack) + 4 * edge.error + length * radius * doubt / steepness;
-        const auto turn = [&](const Vector3d& a, const Vector3d& b) {
-            const double value = edge.normal.dot(a.cross(b));
-            return std::abs(value) > turn_doubt ? sign_of(value) : Sign::Zero;
-        };
-        // Of an arc of less than half a turn, or of the rest of the circle.
-        const Sign size = turn(p.p - center, q.p - center);
-        if (size == Sign::Zero) return Middle::Unknown;
-        const Sign after_start = size * turn(p.p - center, middle_ - center),
-                   before_end = size * turn(middle_ - center, q.p - center);
-        if (after_start == Sign::Negative || before_end == Sign::Negative)
-            return size == Sign::Positive ? Middle::Same : Middle::Differs;
-        if (after_start == Sign::Zero || before_end == Sign::Zero) return Middle::Unknown;
-        return size == Sign::Positive ? Middle::Differs : Middle::Same;
-    }
-
     // --- Cuts
 
     // Puts a vertex at middle_ on the edge of h, until the challenger is inserted. h stays the first part.
@@ -553,12 +321,10 @@ private:
     SomeIndices wide_faces_;
     bool is_flattest_known_ = false;
     SomeIndices new_faces_;  // not in the tree yet
-    Index stamp_ = 0;
     // Working space of insert().
     SomeIndices rivals_, swallowed_, new_edges_;
     SomeIndices middles_;  // half-edges that end at a vertex made by put_middle() that is not taken
     SmallVector<Cut, 32> cuts_;
-    Vector3d middle_;
 };
 
 }  // namespace vcell::discs

@@ -13,13 +13,13 @@
 #include "../../core/partition.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "disc_arcs.hpp"
-#include "disc_insertion.hpp"
+#include "disc_marks.hpp"
 
 namespace vcell::discs {
 
-class DiscResult : protected DiscInsertion {
+class DiscResult : protected DiscMarks {
 protected:
-    using DiscInsertion::DiscInsertion;
+    using DiscMarks::DiscMarks;
 
     // Of the direction in which the form is lowest, on a path through an octree (Morton's).
     static double place_on_path(const Linear& form) {

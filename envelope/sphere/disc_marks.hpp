@@ -1,0 +1,139 @@
+/// What a finished diagram of discs tells whoever searches for more forms: places at which a form that is
+/// lower somewhere would be lower, too, or gradients that it would have (SphereMarks).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "disc_insertion.hpp"
+#include "sphere_diagram.hpp"
+
+namespace vcell::discs {
+
+class DiscMarks : protected DiscInsertion {
+protected:
+    using DiscInsertion::DiscInsertion;
+
+    /// What all vertices, edges and faces tell, for whoever searches for more forms.
+    SphereMarks marks() {
+        SphereMarks marks;
+        marks.steepest = steepest_;
+        marks.places.reserve(vertices_.size() + edges_.size());
+        for (const Vertex& v : vertices_)
+            if (!v.is_gone()) marks.places.push_back({v.p, v.level});
+        for (Index e = 0; e < edges_.size() && marks.are_all; ++e) {
+            const Edge& edge = edges_[e];
+            if (edge.apex.is_gone() || edge.is_point) continue;
+            if (edge.apex.doubt < HUGE_VAL)
+                marks.places.push_back({edge.apex.p, edge.apex.level});
+            else
+                add_parts(e, marks);
+        }
+        for (Index f = 0; f < faces_.size() && marks.are_all; ++f) {
+            if (faces_[f].start == none) continue;
+            const Linear& form = forms_[f];
+            if (is_in_hemisphere(f))
+                add_gradient(form, form.b.normalized(), marks);
+            else
+                marks.are_all = add_wide_face(f, marks);
+        }
+        return marks;
+    }
+
+    // An arc whose angle is known: neither next to nothing nor next to all of its circle, which would look
+    // alike.
+    struct LongArc {
+        Vector3d center, from, across;  // from: seen from the centre; across: a quarter of a turn on
+        double angle;
+    };
+    std::optional<LongArc> long_arc(Index e) const {
+        constexpr double enough = 0x1p-40;  // for add_apex()
+        constexpr double pi = std::numbers::pi, least_angle = 0x1p-10;
+        const Edge& edge = edges_[e];
+        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        const double radius2 = 1 - edge.offset * edge.offset / edge.square;
+        LongArc arc;
+        arc.center = edge.offset / edge.square * edge.normal;
+        arc.from = p.p - arc.center;
+        arc.across = edge.normal.cross(arc.from) / edge.length;
+        const Vector3d to = q.p - arc.center;
+        arc.angle = std::atan2(arc.across.dot(to), arc.from.dot(to));
+        if (arc.angle < 0) arc.angle += 2 * pi;
+        if (radius2 > least_square && p.error + q.error + edge.error / edge.length < enough &&
+            arc.angle > least_angle && arc.angle < 2 * pi - least_angle)
+            return arc;
+        return std::nullopt;
+    }
+    bool is_long(Index e) const { return long_arc(e).has_value(); }
+
+private:
+    static void add_gradient(const Linear& form, const Vector3d& up, SphereMarks& marks) {
+        marks.gradients.push_back({up, form.b.dot(up) - 2 * (form.error + slack * form.slope)});
+    }
+    // A face that is in no hemisphere about the point z where its form is lowest, but still far from the
+    // opposite point. Where another form wins in the face and nowhere on its boundary it does so in a cap
+    // within; if it wins nowhere either on spokes, from z to where the face ends, the cap is in a sector
+    // between two of them, and each of those lies in a hemisphere.
+    bool add_wide_face(Index face, SphereMarks& marks) {
+        SphereMarks around;
+        for_boundary(face, [&](Index h) {
+            const Mark& apex = edges_[h >> 1].apex;
+            around.places.push_back({vertices_[half_edges_[h].origin].p, 0});
+            if (apex.doubt < HUGE_VAL)
+                around.places.push_back({apex.p, 0});
+            else
+                add_parts(h >> 1, around);
+        });
+        const Linear& form = forms_[face];
+        const Vector3d up = form.b.normalized();
+        // The boundary is in this half-space, beyond the errors of marks, and so is the face.
+        constexpr double margin = 0x1p-20, most_depth = 0.5;
+        double depth = 0;
+        for (const auto& mark : around.places) depth = std::max(depth, mark.p.dot(up) + margin);
+        if (!(around.are_all && depth < most_depth && is_outside(face, up))) return false;
+        constexpr int spokes = 4, parts = 3;
+        const double reach = std::acos(-depth), half = 0.5 * reach / parts;
+        const Vector3d x = up.unitOrthogonal(), y = up.cross(x);
+        const auto direction = [&](double around_z, double from_z) {
+            const Vector3d across = std::cos(around_z) * x + std::sin(around_z) * y;
+            return Vector3d(std::sin(from_z) * across - std::cos(from_z) * up);
+        };
+        constexpr double sector = 2 * std::numbers::pi / spokes;
+        // The corners of a sector are the farthest from its middle.
+        if (!(direction(0, 0.5 * reach).dot(direction(0.5 * sector, reach)) > margin)) return false;
+        for (int k = 0; k < spokes; ++k) {
+            for (int i = 0; i < parts; ++i)
+                add_apex(form, form, direction(k * sector, (2 * i + 1) * half) / std::cos(half), marks);
+            add_gradient(form, -direction((k + 0.5) * sector, 0.5 * reach), marks);
+        }
+        return true;
+    }
+    // That tangents in the ends of an arc meet there is true but for `blur`, which is far more than errors
+    // and rounding.
+    void add_apex(const Linear& f, const Linear& g, const Vector3d& apex, SphereMarks& marks) const {
+        constexpr double blur = 0x1p-24;
+        marks.places.push_back(
+            {apex, f(apex) + 2 * std::max(f.error, g.error) + (f.slope + steepest_) * blur});
+    }
+
+    // Adds the apexes of the parts of an arc of any length.
+    void add_parts(Index e, SphereMarks& marks) const {
+        constexpr double most_angle = std::numbers::pi / 3;
+        const auto arc = long_arc(e);
+        marks.are_all = arc.has_value();
+        if (!marks.are_all) return;
+        const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
+        const int parts = static_cast<int>(arc->angle / most_angle) + 1;
+        const double half = 0.5 * arc->angle / parts, reach = 1 / std::cos(half);
+        for (int i = 0; i < parts; ++i) {
+            const double turn = (2 * i + 1) * half;
+            add_apex(f, g, arc->center + reach * (std::cos(turn) * arc->from + std::sin(turn) * arc->across),
+                     marks);
+        }
+    }
+};
+
+}  // namespace vcell::discs
