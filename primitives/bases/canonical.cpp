@@ -4,6 +4,7 @@
 #include <cmath>
 #include <variant>
 
+#include "../../core/errors.hpp"
 #include "../objects/exact_space.hpp"
 
 namespace vcell {
@@ -96,6 +97,10 @@ int compare_rays(std::span<const Exact> p, std::span<const Exact> q) {
         return 0;
     }
     return 0;
+}
+
+void fail_empty(const std::string& what) {
+    throw InputError(InputError::Kind::EmptyBox, InputError::no_object, "box", what);
 }
 
 std::string listed(const std::vector<std::string>& items) {

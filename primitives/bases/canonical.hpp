@@ -70,6 +70,9 @@ std::vector<std::uint32_t> first_equal(const std::vector<std::array<Exact, N>>& 
     return first;
 }
 
+/// There is no cell: the box `what`.
+[[noreturn]] void fail_empty(const std::string& what);
+
 /// "a, b and 7 more": half of a packing may need to be named.
 std::string listed(const std::vector<std::string>& items);
 

@@ -107,7 +107,7 @@ private:
             p[world.axis] = 2 * world.bound - p[world.axis];
             // An image that is not given by doubles is no object's equal.
             if (Exact(p[world.axis]) + base_.point[world.axis] != 2.0 * Exact(world.bound)) continue;
-            images.push_back({cylinder_form(Cylinder{p, frame_.axis, base_.radius}), side.site});
+            images.push_back({world_form(Cylinder{p, frame_.axis, base_.radius}), side.site});
         }
         return images;
     }
@@ -179,7 +179,7 @@ private:
     }
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
-        const CylinderForm f = cylinder_form(cylinder);
+        const CylinderForm f = world_form(cylinder);
         if (!is_positive(forms_.form(f).c) || touched_before_turn(cylinder))
             objects_.fail(
                 Kind::TouchesBase, i,
@@ -194,7 +194,7 @@ private:
         objects_.hollow_balls.add(vessel, i);
     }
     void add(std::uint32_t i, const HollowCylinder& vessel) {
-        const CylinderForm f = cylinder_form(vessel);
+        const CylinderForm f = world_form(vessel);
         refuse_beyond(i, is_positive(forms_.hollow_form(f).c));
         objects_.hollow_cylinders.add(f, i);
     }
@@ -218,12 +218,6 @@ private:
         const Exact along = dot(ExactVector(frame_.origin) - f.apex, f.a) + f.g * base_.radius;
         return (frame_.norm * along + y * frame_.turned(f.a).y).sign() == Sign::Positive;
     }
-    template <class Tube>
-    static CylinderForm cylinder_form(const Tube& cylinder) {
-        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
-        return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
-    }
-
     // Is c0 + c1 y + c2 y^2 positive all over the stretch?
     bool is_positive(const std::array<Exact, 3>& c) const {
         for (const double y : stretch_)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,11 +20,11 @@
 #include "../objects/exact_space.hpp"
 #include "../objects/message.hpp"
 #include "canonical.hpp"
-#include "nested_cylinders.hpp"
 #include "plane_forms.hpp"
 #include "plane_frame.hpp"
 #include "plane_region.hpp"
 #include "solids.hpp"
+#include "world_objects.hpp"
 
 namespace vcell {
 
@@ -50,6 +51,7 @@ public:
                            : base_region(base, scene.box, box_)),
           region_(sides_),
           unit_(unit),
+          objects_(scene),
           sources_(std::make_shared<IdVector<FormId, FormSource>>()) {}
 
     PlaneBaseProblem build() {
@@ -62,10 +64,11 @@ public:
             else if (const auto* cylinder = std::get_if<Cylinder>(&scene_.objects[i]))
                 add(i, *cylinder);
             else
-                fail(Kind::Unsupported, i,
-                     "is a vessel, which bounds the cells of balls and cylinders: the base is a plane");
+                objects_.fail(
+                    Kind::Unsupported, i,
+                    "is a vessel, which bounds the cells of balls and cylinders: the base is a plane");
         }
-        drop_hidden();
+        if (objects_.cylinders.size() > 0) drop_hidden();
         make_forms();
         add_cylinders();
         sites_.settle();
@@ -83,7 +86,8 @@ public:
             problem.corner_sites.push_back(sides_through(
                 base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         problem.family.forms = std::move(forms_);
-        for (const std::uint32_t i : cylinder_objects_) {
+        for (const std::uint32_t i : objects_.cylinders.objects) {
+            if (!objects_.is_kept(i)) continue;
             problem.family.cylinders.push_back(form_of(i));
             const ExactVector axis(std::get<Cylinder>(scene_.objects[i]).axis), normal(base_.normal);
             problem.axes.push_back(dot(axis, normal).sign() == Sign::Zero ? AxisToBase::Parallel
@@ -100,9 +104,8 @@ public:
             if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(placed(*frame, *ball));
             return *std::get<std::shared_ptr<const ExactForm>>(source);
         };
-        warn();
+        objects_.warn(sites_, "behind the base", problem.warnings);
         problem.sites = std::move(sites_);
-        problem.warnings = std::move(warnings_);
         return problem;
     }
 
@@ -110,16 +113,11 @@ private:
     // A ball in the world, or what is exact.
     using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
 
-    Site site(std::uint32_t object) const { return Site::object(scene_.number(object)); }
-
-    [[noreturn]] void fail(Kind kind, std::uint32_t object, const std::string& what) const {
-        throw InputError(kind, scene_.number(object), object_path(scene_, object), what);
-    }
     [[noreturn]] void fail_touching(std::uint32_t object, Sign depth, const Eigen::Vector2d& place) const {
         const Vec3 world = frame_->motion().to_world({place.x(), place.y(), 0});
-        fail(Kind::TouchesBase, object,
-             std::string(depth == Sign::Positive ? "cuts" : "touches") + " the base region at " +
-                 to_text(unit_ * world));
+        objects_.fail(Kind::TouchesBase, object,
+                      std::string(depth == Sign::Positive ? "cuts" : "touches") + " the base region at " +
+                          to_text(unit_ * world));
     }
 
     // A ball of the world in canonical coordinates.
@@ -161,23 +159,18 @@ private:
                 if (depth != Sign::Negative)
                     fail_touching(i, depth, region_.nearest_point({ball.cx, ball.cy}));
             }
-            if (exact.width().sign() != Sign::Positive) {
-                behind_.push_back(i);
-                return;
-            }
+            if (exact.width().sign() != Sign::Positive) return objects_.leave_out_unmet(i);
         } else if (!(ball.cz > -ball.rho)) {
-            behind_.push_back(i);
-            return;
+            return objects_.leave_out_unmet(i);
         }
-        balls_.push_back(world);
-        ball_objects_.push_back(i);
+        objects_.balls.add(world, i);
     }
 
     void add(std::uint32_t i, const Plane& plane) {
-        const ExactVector normal(plane.normal);
-        HalfSpaceOverBase h{frame_->turned(plane.normal), {}, frame_->norm() * length_of(normal)};
+        HalfSpace world(plane.point, plane.normal);
+        HalfSpaceOverBase h{frame_->turned(plane.normal), {}, frame_->norm() * world.length};
         // A plane parallel to the base stays parallel to it.
-        const bool is_level = cross(normal, ExactVector(base_.normal)).is_zero();
+        const bool is_level = cross(ExactVector(plane.normal), ExactVector(base_.normal)).is_zero();
         if (is_level && !frame_->is_exact()) {
             planes_turn_ = true;
             const bool up = h.n.z.sign() == Sign::Positive;
@@ -213,11 +206,11 @@ private:
             }
             fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place);
         }
-        const double s = static_cast<int>(signs.front());
-        planes_.push_back(
-            {s * normal.x, s * normal.y, s * normal.z, -s * dot(normal, ExactVector(plane.point))});
-        plane_objects_.push_back(i);
-        if (s < 0) h = {Exact(-1.0) * h.n, -h.d, h.length};
+        if (signs.front() == Sign::Negative) {
+            world = -world;
+            h = {Exact(-1.0) * h.n, -h.d, h.length};
+        }
+        objects_.planes.add(world, i);
         placed_planes_.push_back(h);
     }
 
@@ -227,11 +220,6 @@ private:
                 world_corners_.push_back(world_corner(
                     base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         return world_corners_;
-    }
-
-    static CylinderForm world_form(const Cylinder& cylinder) {
-        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
-        return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
     }
 
     // In canonical coordinates.
@@ -263,95 +251,34 @@ private:
         if (clear != Sign::Positive) fail_touching(i, -clear, region_.lowest_point(trace));
         const bool is_level = dot(ExactVector(cylinder.axis), ExactVector(base_.normal)).sign() == Sign::Zero;
         const ExactCylinder exact = exact_cylinder(form);
-        if (is_level && (exact.pz + exact.rho).sign() != Sign::Positive) {
-            behind_.push_back(i);
-            return;
-        }
+        if (is_level && (exact.pz + exact.rho).sign() != Sign::Positive) return objects_.leave_out_unmet(i);
         if (region_.lowest(trace, smallest_coefficient) == Sign::Negative)
-            fail(Kind::OutOfRange, i, "is so close to the base that its height leaves the range of doubles");
+            objects_.fail(Kind::OutOfRange, i,
+                          "is so close to the base that its height leaves the range of doubles");
         if (form.az != 0 && std::abs(form.az) < smallest_slope)
-            fail(Kind::OutOfRange, i,
-                 "is so nearly parallel to the base that its height leaves the range of doubles");
-        cylinders_.push_back(world_form(cylinder));
-        cylinder_objects_.push_back(i);
+            objects_.fail(Kind::OutOfRange, i,
+                          "is so nearly parallel to the base that its height leaves the range of doubles");
+        objects_.cylinders.add(world_form(cylinder), i);
     }
 
-    // Leaves out what lies in a cylinder, and cylinders beyond a plane or a side of the box. Of equal
-    // cylinders the first one stays and stands for all.
+    // A side of the box hides what lies beyond a plane, where the base and its mirror image across that side
+    // are equally far: with x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the
+    // base leans that way.
     void drop_hidden() {
-        if (cylinders_.empty()) return;
-        std::vector<std::pair<std::uint32_t, std::string>> hidden;  // object, where it hides
-        const auto hide = [&](std::uint32_t object, const char* how, const std::string& where) {
-            hidden.emplace_back(object, object_title(scene_, object) + how + where);
-        };
-        const auto keep = [](auto& items, std::vector<std::uint32_t>& objects, const auto& is_hidden) {
-            std::size_t kept = 0;
-            for (std::size_t i = 0; i < items.size(); ++i) {
-                if (is_hidden(i)) continue;
-                items[kept] = items[i];
-                objects[kept++] = objects[i];
-            }
-            items.resize(kept);
-            objects.resize(kept);
-        };
-
-        // A side of the box is where the base and its mirror image across that side, a plane, are equally
-        // far: with x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the base
-        // leans that way.
-        std::vector<std::pair<LinearForm, std::string>> walls;
-        for (std::size_t k = 0; k < planes_.size(); ++k)
-            walls.emplace_back(planes_[k], is_cap(scene_, plane_objects_[k])
-                                               ? std::string()
-                                               : object_title(scene_, plane_objects_[k]));
+        std::vector<LinearForm> walls = objects_.half_spaces();
+        std::vector<Site> of_walls;
+        for (const std::uint32_t plane : objects_.planes.objects) of_walls.push_back(objects_.site(plane));
         for (const BoxSide& side : box_) {
             if (!(side.m.z() > 0)) continue;
-            const Eigen::Index axis = side.index / 2;
-            const double bound = (side.index % 2 == 0 ? scene_.box.min : scene_.box.max)[axis];
+            const WorldSide world(scene_.box, side.index);
             Vec3 mirrored = base_.normal;
-            mirrored[axis] = -mirrored[axis];
-            const Exact d = 2.0 * Exact(bound) * base_.normal[axis] -
+            mirrored[world.axis] = -mirrored[world.axis];
+            const Exact d = 2.0 * Exact(world.bound) * base_.normal[world.axis] -
                             dot(ExactVector(base_.normal), ExactVector(base_.point));
-            walls.push_back({{mirrored.x(), mirrored.y(), mirrored.z(), d},
-                             "side " + to_string(Site::box_side(side.index))});
+            walls.push_back({mirrored.x(), mirrored.y(), mirrored.z(), d});
+            of_walls.push_back(Site::box_side(side.index));
         }
-        const std::vector<CylinderForm> all = cylinders_;
-        const std::vector<std::uint32_t> objects = cylinder_objects_;
-        const auto containers = possible_containers(all);
-        keep(cylinders_, cylinder_objects_, [&](std::size_t i) {
-            for (const auto& [plane, title] : walls) {
-                if (!is_beyond(plane, all[i])) continue;
-                // What is out of a probe's reach is no matter of concern.
-                if (!title.empty()) hide(objects[i], " beyond ", title);
-                return true;
-            }
-            std::size_t first_equal = i;
-            for (const std::uint32_t k : containers[i]) {
-                if (!contains(all[k], all[i])) continue;
-                if (!contains(all[i], all[k])) {
-                    hide(objects[i], " in ", object_title(scene_, objects[k]));
-                    return true;
-                }
-                first_equal = std::min<std::size_t>(first_equal, k);
-            }
-            if (first_equal < i) equal_.emplace_back(objects[first_equal], objects[i]);
-            return first_equal < i;
-        });
-        const std::vector<Ball> balls = balls_;
-        const std::vector<std::uint32_t> ball_objects = ball_objects_;
-        keep(balls_, ball_objects_, [&](std::size_t i) {
-            const Ball& ball = balls[i];
-            for (std::size_t k = 0; k < cylinders_.size(); ++k) {
-                if (!contains(cylinders_[k], ball.cx, ball.cy, ball.cz, ball.rho)) continue;
-                hide(ball_objects[i], " in ", object_title(scene_, cylinder_objects_[k]));
-                return true;
-            }
-            return false;
-        });
-        std::ranges::sort(hidden);
-        std::vector<std::string> texts;
-        for (auto& [object, text] : hidden) texts.push_back(std::move(text));
-        if (!texts.empty())
-            warnings_.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
+        objects_.drop_hidden_by_cylinders(walls, of_walls, {});
     }
 
     CircularForm rounded(const LinearForm& exact, Site site) const {
@@ -371,28 +298,31 @@ private:
             "is so close to the base, or so nearly parallel to it, that its height leaves the range of "
             "doubles";
         if (site.is_object())
-            fail(Kind::OutOfRange, static_cast<std::uint32_t>(scene_.place(site.index)), what);
+            objects_.fail(Kind::OutOfRange, static_cast<std::uint32_t>(scene_.place(site.index)), what);
         throw InputError(Kind::OutOfRange, InputError::no_object, "box",
                          "side " + to_string(site) + " " + what);
     }
 
     // One form for every distinct height, in the order of their first sites: objects, then box sides.
     void make_forms() {
-        const std::vector<std::uint32_t> first_ball = first_equal(balls_);
+        const auto& balls = objects_.balls;
+        const auto& planes = objects_.planes;
+        const std::vector<std::uint32_t> first_ball = first_equal(balls.items);
         // Planes that are multiples of each other are one plane, though their |n| may be told differently.
-        const std::vector<std::uint32_t> first_plane = first_equal(planes_);
+        const std::vector<std::uint32_t> first_plane = first_equal(objects_.half_spaces());
+        std::vector<LinearForm> plane_forms;
         std::vector<LinearForm> linear;
         std::vector<Site> linear_sites;
-        for (std::size_t i = 0; i < planes_.size(); ++i) {
+        for (std::size_t i = 0; i < planes.size(); ++i) {
             const LinearForm form =
-                first_plane[i] < i ? plane_forms_[first_plane[i]] : plane_form(placed_planes_[i]);
-            plane_forms_.push_back(form);
+                first_plane[i] < i ? plane_forms[first_plane[i]] : plane_form(placed_planes_[i]);
+            plane_forms.push_back(form);
             if (form[3].sign() != Sign::Positive) {
-                behind_.push_back(plane_objects_[i]);
+                objects_.leave_out_unmet(planes.objects[i]);
                 continue;
             }
             linear.push_back(form);
-            linear_sites.push_back(site(plane_objects_[i]));
+            linear_sites.push_back(objects_.site(planes.objects[i]));
         }
         for (const BoxSide& side : box_) {
             if (!(side.m.z() > 0)) continue;
@@ -401,17 +331,18 @@ private:
         }
         const std::vector<std::uint32_t> first_linear = first_equal(linear);
 
-        std::vector<FormId> ball_forms(balls_.size()), linear_forms(linear.size());
-        forms_.reserve(balls_.size() + linear.size());
-        sites_.reserve(balls_.size() + linear.size() + cylinders_.size());
+        std::vector<FormId> ball_forms(balls.size()), linear_forms(linear.size());
+        forms_.reserve(balls.size() + linear.size());
+        sites_.reserve(balls.size() + linear.size() + objects_.cylinders.size());
         const auto add_ball = [&](std::size_t i) {
-            const Site own = site(ball_objects_[i]);
+            if (!objects_.is_kept(balls.objects[i])) return;
+            const Site own = objects_.site(balls.objects[i]);
             if (first_ball[i] < i) {
                 ball_forms[i] = ball_forms[first_ball[i]];
                 sites_.join(ball_forms[i], own);
                 return;
             }
-            const Ball& ball = balls_[i];
+            const Ball& ball = balls.items[i];
             const bool is_kept = frame_->keeps(center(ball));
             const CircularForm f =
                 is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
@@ -434,10 +365,11 @@ private:
         };
         std::size_t ball = 0;
         for (std::size_t i = 0; i < linear.size(); ++i) {
-            while (ball < balls_.size() && site(ball_objects_[ball]) < linear_sites[i]) add_ball(ball++);
+            while (ball < balls.size() && objects_.site(balls.objects[ball]) < linear_sites[i])
+                add_ball(ball++);
             add_linear(i);
         }
-        while (ball < balls_.size()) add_ball(ball++);
+        while (ball < balls.size()) add_ball(ball++);
         if (has_floor_) add_floor(linear, linear_sites);
     }
 
@@ -446,9 +378,9 @@ private:
         const auto add = [&](const LinearForm& form, Site site) {
             for (std::size_t i = 0; i < others.size(); ++i)
                 if (compare_rays(form, others[i]) == 0)
-                    fail(Kind::Unsupported, static_cast<std::uint32_t>(scene_.place(sites[i].index)),
-                         "is as far as the base all along side " + to_string(site) +
-                             " of the box, through which the base's rays come in");
+                    objects_.fail(Kind::Unsupported, static_cast<std::uint32_t>(scene_.place(sites[i].index)),
+                                  "is as far as the base all along side " + to_string(site) +
+                                      " of the box, through which the base's rays come in");
             floor_.push_back(forms_.push_back(rounded(form, site)));
             const auto& [a, b, c, w] = form;
             sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
@@ -462,26 +394,13 @@ private:
 
     // Cylinders come after the circular forms, the floor among them, in the order of their objects.
     void add_cylinders() {
-        for (const std::uint32_t object : cylinder_objects_) {
-            const FormId form = sites_.add(site(object));
-            for (const auto& [first, twin] : equal_)
-                if (first == object) sites_.join(form, site(twin));
-        }
-    }
-
-    void warn() {
-        if (!behind_.empty()) {
-            std::sort(behind_.begin(), behind_.end());
-            std::vector<std::string> titles;
-            for (const std::uint32_t i : behind_) titles.push_back(object_title(scene_, i));
-            warnings_.push_back(listed(titles) + ": behind the base, never nearest to any point of its cell");
-        }
-        for (const FormId form : sites_.ids()) {
-            if (sites_[form].size() < 2) continue;
-            std::string text;
-            for (const Site site : sites_[form])
-                text += (text.empty() ? "" : " and ") + competitor_title(scene_, site);
-            warnings_.push_back(text + ": the same distance from the base everywhere, merged");
+        std::map<std::uint32_t, FormId> forms;
+        for (const std::uint32_t object : objects_.cylinders.objects) {
+            const std::uint32_t owner = objects_.owner(object);
+            if (owner == object)
+                forms[object] = sites_.add(objects_.site(object));
+            else if (owner != WorldObjects::none)
+                sites_.join(forms[owner], objects_.site(object));
         }
     }
 
@@ -495,25 +414,14 @@ private:
     const BaseRegion region_;
     const double unit_;
 
-    // Of the world: there objects hide in each other, exactly.
-    std::vector<Ball> balls_;
-    std::vector<std::uint32_t> ball_objects_;
-    std::vector<LinearForm> planes_;                // (n, d), the region on the positive side
-    std::vector<HalfSpaceOverBase> placed_planes_;  // the same in canonical coordinates
-    std::vector<LinearForm> plane_forms_;
-    std::vector<std::uint32_t> plane_objects_;
-    bool planes_turn_ = false;  // with the base
-    std::vector<std::uint32_t> behind_;
-    std::vector<CylinderForm> cylinders_;
-    std::vector<std::uint32_t> cylinder_objects_;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>>
-        equal_;  // a cylinder's object and a later one like it
+    WorldObjects objects_;                          // planes with the region on the positive side
+    std::vector<HalfSpaceOverBase> placed_planes_;  // in canonical coordinates
+    bool planes_turn_ = false;                      // with the base
 
     IdVector<FormId, CircularForm> forms_;
     FormSites sites_;
     std::vector<FormId> floor_;
     std::shared_ptr<IdVector<FormId, FormSource>> sources_;
-    std::vector<std::string> warnings_;
 };
 
 }  // namespace

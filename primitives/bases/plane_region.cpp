@@ -63,10 +63,6 @@ bool before_by_angle(const RegionSide& i, const RegionSide& j) {
     return turn(i, j).sign() == Sign::Positive;
 }
 
-[[noreturn]] void fail_empty(const std::string& what) {
-    throw InputError(Kind::EmptyBox, InputError::no_object, "box", what);
-}
-
 std::vector<RegionSide> bounded_by(const std::vector<RegionSide>& lines) {
     std::vector<RegionSide> region;
     for (std::size_t i = 0; i < lines.size(); ++i)

@@ -1,37 +1,14 @@
 #include "radial_objects.hpp"
 
-#include <algorithm>
-#include <numeric>
 #include <type_traits>
 
 #include "../objects/decided_scene.hpp"
-#include "../objects/message.hpp"
 #include "nested_balls.hpp"
-#include "nested_cylinders.hpp"
 #include "solids.hpp"
 
 namespace vcell {
 
-HalfSpace::HalfSpace(const Vec3& point, const Vec3& normal)
-    : n(normal), d(-dot(ExactVector(normal), ExactVector(point))) {
-    length = length_of(ExactVector(n));
-}
-
 const char* cuts_or_touches(Sign clearance) { return clearance == Sign::Zero ? "touches" : "cuts"; }
-
-RadialObjects::RadialObjects(const Scene& scene) : scene_(scene), owner_(scene.objects.size()) {
-    std::iota(owner_.begin(), owner_.end(), 0u);
-    if (scene.base_object) owner_[*scene.base_object] = none;
-}
-
-void RadialObjects::fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const {
-    throw InputError(kind, scene_.number(object), object_path(scene_, object), what);
-}
-
-void RadialObjects::leave_out_unmet(std::uint32_t i) {
-    owner_[i] = none;
-    unmet_.push_back(object_title(scene_, i));
-}
 
 void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
     const BallNesting nesting = ball_nesting(balls.items);
@@ -39,18 +16,17 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
         if (const std::uint32_t first = nesting.first_equal[i]; first < i)
             merge(balls.objects[i], balls.objects[first]);
         if (const std::uint32_t k = nesting.enclosing[i]; k != none)
-            hide(balls.objects[i], " in ", object_title(scene_, balls.objects[k]));
+            hide(balls.objects[i], " in ", site(balls.objects[k]));
     }
-    std::vector<std::array<Exact, 4>> rays;
-    for (const HalfSpace& h : planes.items) rays.push_back({h.n.x(), h.n.y(), h.n.z(), h.d});
+    const std::vector<std::array<Exact, 4>> walls = half_spaces();
     // Planes that are multiples of each other are one plane, though their |n| may be told differently.
-    const std::vector<std::uint32_t> first_plane = first_equal(rays);
-    for (std::size_t i = 0; i < planes.size(); ++i)
+    const std::vector<std::uint32_t> first_plane = first_equal(walls);
+    std::vector<Site> of_walls;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
         if (first_plane[i] < i) merge(planes.objects[i], planes.objects[first_plane[i]]);
-    const auto containers = possible_containers(cylinders.items);
-    for (std::size_t i = 0; i < cylinders.size(); ++i) drop_if_hidden(i, containers[i], rays, mirrored);
-    if (cylinders.size() + mirrored.size() > 0)
-        for (std::size_t i = 0; i < balls.size(); ++i) drop_if_in_cylinder(i, mirrored);
+        of_walls.push_back(site(planes.objects[i]));
+    }
+    drop_hidden_by_cylinders(walls, of_walls, mirrored);
     if (hollow_balls.size() + hollow_cylinders.size() + hollow_cones.size() == 0) return;
     drop_wider_vessels();
     const auto is_within = [](const Exact& square, const Exact& reach, const Exact& scale) {
@@ -160,80 +136,12 @@ void RadialObjects::drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_
     if (!is_kept(vessel)) return;
     const auto look = [&](const auto& listed) {
         for (std::size_t i = 0; i < listed.size(); ++i)
-            if (owner_[listed.objects[i]] != none && is_beyond_it(listed.items[i]))
+            if (!is_left_out(listed.objects[i]) && is_beyond_it(listed.items[i]))
                 hide_beyond_wall(listed.objects[i], vessel);
     };
     look(balls);
     look(planes);
     look(cylinders);
-}
-
-void RadialObjects::warn(const FormSites& sites, std::vector<std::string>& warnings) const {
-    if (!unmet_.empty())
-        warnings.push_back(listed(unmet_) +
-                           ": out of sight of the base, never nearest to any point of its cell");
-    if (!hidden_.empty()) {
-        auto sorted = hidden_;
-        std::ranges::sort(sorted);
-        std::vector<std::string> texts;
-        for (auto& [object, text] : sorted) texts.push_back(std::move(text));
-        warnings.push_back(listed(texts) + ": hidden, never nearest to any point of the cell");
-    }
-    if (!sites.has_shared_forms()) return;
-    for (const FormId f : sites.ids()) {
-        const std::span<const Site> group = sites[f];
-        if (group.size() < 2) continue;
-        std::string text;
-        for (const Site site : group) text += (text.empty() ? "" : " and ") + competitor_title(scene_, site);
-        warnings.push_back(text + ": the same distance from the base everywhere, merged");
-    }
-}
-
-// What is out of a probe's reach is no matter of concern.
-void RadialObjects::hide_beyond_wall(std::uint32_t object, std::uint32_t vessel) {
-    if (is_cap(scene_, vessel))
-        owner_[object] = none;
-    else
-        hide(object, " beyond the wall of ", object_title(scene_, vessel));
-}
-
-void RadialObjects::hide(std::uint32_t object, const char* how, const std::string& where) {
-    owner_[object] = none;
-    hidden_.emplace_back(object, object_title(scene_, object) + how + where);
-}
-
-void RadialObjects::drop_if_hidden(std::size_t i, std::span<const std::uint32_t> possible_containers,
-                                   const std::vector<std::array<Exact, 4>>& half_spaces,
-                                   const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
-    const CylinderForm& cylinder = cylinders.items[i];
-    const std::uint32_t object = cylinders.objects[i];
-    for (std::size_t k = 0; k < planes.size(); ++k)
-        if (is_beyond(half_spaces[k], cylinder))
-            return hide(object, " beyond ", object_title(scene_, planes.objects[k]));
-    for (const auto& [image, side] : mirrored)
-        if (contains(image, cylinder) && !contains(cylinder, image))
-            return hide(object, " beyond ", "side " + to_string(side));
-    std::size_t first = i;
-    for (const std::uint32_t k : possible_containers) {
-        if (!contains(cylinders.items[k], cylinder)) continue;
-        if (!contains(cylinder, cylinders.items[k]))
-            return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
-        first = std::min<std::size_t>(first, k);
-    }
-    if (first < i) merge(object, cylinders.objects[first]);
-}
-
-void RadialObjects::drop_if_in_cylinder(std::size_t i,
-                                        const std::vector<std::pair<CylinderForm, Site>>& mirrored) {
-    const Ball& ball = balls.items[i];
-    const std::uint32_t object = balls.objects[i];
-    if (owner_[object] == none) return;
-    for (std::size_t k = 0; k < cylinders.size(); ++k)
-        if (contains(cylinders.items[k], ball.cx, ball.cy, ball.cz, ball.rho))
-            return hide(object, " in ", object_title(scene_, cylinders.objects[k]));
-    for (const auto& [image, side] : mirrored)
-        if (contains(image, ball.cx, ball.cy, ball.cz, ball.rho))
-            return hide(object, " beyond ", "side " + to_string(side));
 }
 
 void FoundForms::add_twins(const RadialObjects& all) {
@@ -243,10 +151,6 @@ void FoundForms::add_twins(const RadialObjects& all) {
             sites.join(of_object[owner], all.site(i));
     }
     sites.settle();
-}
-
-void fail_empty(const std::string& what) {
-    throw InputError(InputError::Kind::EmptyBox, InputError::no_object, "box", what);
 }
 
 }  // namespace vcell

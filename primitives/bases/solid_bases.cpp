@@ -15,6 +15,7 @@
 #include "cylinder_base.hpp"
 #include "solids.hpp"
 #include "sphere_base.hpp"
+#include "world_objects.hpp"
 
 namespace vcell {
 
@@ -245,11 +246,6 @@ bool holds(const Plane& plane, const Sphere& ball) {
     return value.sign() != Sign::Positive && (value * value - square).sign() != Sign::Negative;
 }
 
-CylinderForm form_of(const Cylinder& tube) {
-    const Vec3 a = scaled_axis(tube.axis), &p = tube.point;
-    return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), tube.radius};
-}
-
 // Does the one lie in the other? False of balls as the other: nothing that lies there is asked for.
 bool lies_in(const Object& object, const Object& other) {
     const auto* ball = std::get_if<Sphere>(&object);
@@ -258,7 +254,7 @@ bool lies_in(const Object& object, const Object& other) {
         if (ball != nullptr) return holds(*plane, *ball);
         const ExactVector n(plane->normal);
         if (tube != nullptr)
-            return is_beyond({n.x, n.y, n.z, -dot(n, ExactVector(plane->point))}, form_of(*tube));
+            return is_beyond({n.x, n.y, n.z, -dot(n, ExactVector(plane->point))}, world_form(*tube));
         const Plane& half = std::get<Plane>(object);
         const ExactVector m(half.normal);
         return cross(m, n).is_zero() && dot(m, n).sign() == Sign::Positive &&
@@ -267,8 +263,9 @@ bool lies_in(const Object& object, const Object& other) {
     const auto* around = std::get_if<Cylinder>(&other);
     if (around == nullptr) return false;
     if (ball != nullptr)
-        return contains(form_of(*around), ball->center.x(), ball->center.y(), ball->center.z(), ball->radius);
-    return tube != nullptr && contains(form_of(*around), form_of(*tube));
+        return contains(world_form(*around), ball->center.x(), ball->center.y(), ball->center.z(),
+                        ball->radius);
+    return tube != nullptr && contains(world_form(*around), world_form(*tube));
 }
 
 // Pre: the tube lies in the other one.

@@ -207,8 +207,7 @@ private:
     }
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
-        const Vec3 a = scaled_axis(cylinder.axis), &p = cylinder.point;
-        const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), cylinder.radius};
+        const CylinderForm form = world_form(cylinder);
         // Independent of the chart, which is still the identity.
         if (frame_.form(form).c[0].sign() != Sign::Positive)
             objects_.fail(Kind::TouchesBase, i,
@@ -226,8 +225,7 @@ private:
     }
 
     void add(std::uint32_t i, const HollowCylinder& vessel) {
-        const Vec3 a = scaled_axis(vessel.axis), &p = vessel.point;
-        const CylinderForm form{p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), vessel.radius};
+        const CylinderForm form = world_form(vessel);
         if (frame_.hollow_form(form).c[0].sign() != Sign::Positive) fail_beyond_wall(i);
         objects_.hollow_cylinders.add(form, i);
     }
@@ -296,42 +294,34 @@ private:
                          scale * (b.cz - center.z()));
             nearness.linear.push_back({p, scale * (b.rho - radius)});
         }
-        for (std::size_t i = 0; i < objects_.planes.size(); ++i) {
-            if (!objects_.is_kept(objects_.planes.objects[i])) continue;
-            const HalfSpace& h = objects_.planes.items[i];
+        objects_.for_kept(objects_.planes, [&](const HalfSpace& h, std::uint32_t) {
             const double scale = 1 / nearest(frame_.height(h).w);
             nearness.linear.push_back({-scale * h.n, scale * nearest(h.length)});
-        }
+        });
         for (std::uint32_t s = 0; s < 6; ++s) {
             if (side_twin_[s] != RadialObjects::none) continue;
             const WorldSide side(scene_.box, s);
             nearness.linear.push_back({Vec3::Unit(side.axis) / (side.bound - center[side.axis]), 0});
         }
-        for (std::size_t i = 0; i < objects_.hollow_balls.size(); ++i) {
-            if (!objects_.is_kept(objects_.hollow_balls.objects[i])) continue;
-            const HollowSphere& vessel = objects_.hollow_balls.items[i];
+        objects_.for_kept(objects_.hollow_balls, [&](const HollowSphere& vessel, std::uint32_t) {
             const double scale = 1 / nearest(frame_.height(vessel).w);
             nearness.linear.push_back({scale * (center - vessel.center), scale * (vessel.radius + radius)});
-        }
-        for (std::size_t i = 0; i < objects_.hollow_cylinders.size(); ++i) {
-            if (!objects_.is_kept(objects_.hollow_cylinders.objects[i])) continue;
-            const CylinderForm& f = objects_.hollow_cylinders.items[i];
+        });
+        objects_.for_kept(objects_.hollow_cylinders, [&](const CylinderForm& f, std::uint32_t) {
             const Vec3 way = center - Vec3(f.px, f.py, f.pz), axis = Vec3(f.ax, f.ay, f.az).normalized();
             const double length2 = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
             nearness.cylindrical.push_back({way - axis * axis.dot(way), axis, f.rho + radius,
                                             nearest(frame_.hollow_form(f).c[0]) / length2, true});
-        }
-        for (std::size_t i = 0; i < objects_.hollow_cones.size(); ++i)
-            if (objects_.is_kept(objects_.hollow_cones.objects[i]))
-                nearness.cylindrical.push_back(nearness_in(objects_.hollow_cones.items[i]));
-        for (std::size_t i = 0; i < objects_.cylinders.size(); ++i) {
-            if (!objects_.is_kept(objects_.cylinders.objects[i])) continue;
-            const CylinderForm& f = objects_.cylinders.items[i];
+        });
+        objects_.for_kept(objects_.hollow_cones, [&](const ConeForm& f, std::uint32_t) {
+            nearness.cylindrical.push_back(nearness_in(f));
+        });
+        objects_.for_kept(objects_.cylinders, [&](const CylinderForm& f, std::uint32_t) {
             const Vec3 p = Vec3(f.px, f.py, f.pz) - center, axis = Vec3(f.ax, f.ay, f.az).normalized();
             const double length2 = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
             nearness.cylindrical.push_back(
                 {p - axis * axis.dot(p), axis, f.rho - radius, nearest(frame_.form(f).c[0]) / length2});
-        }
+        });
         const auto rotation = chart_rotation(nearness);
         if (!rotation)
             throw UndecidedError(
@@ -414,14 +404,12 @@ private:
         sources->balls = std::move(objects_.balls.items);
 
         const auto add_tubes = [&]<class Tube>(const auto& tubes, std::type_identity<Tube>, auto form) {
-            for (std::size_t k = 0; k < tubes.size(); ++k) {
-                const std::uint32_t i = tubes.objects[k];
-                if (!objects_.is_kept(i)) continue;
+            objects_.for_kept(tubes, [&](const auto& item, std::uint32_t i) {
                 Tube tube = std::get<Tube>(scene_.objects[i]);
                 place(tube) -= frame_.center;
                 found.add(objects_.site(i), tube);
-                problem.family.radial.push_back(form(tubes.items[k]));
-            }
+                problem.family.radial.push_back(form(item));
+            });
         };
         add_tubes(objects_.cylinders, std::type_identity<Cylinder>{},
                   [&](const auto& tube) { return frame_.form(tube); });
