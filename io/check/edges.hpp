@@ -1,9 +1,5 @@
-/// Edges: all along a curve the excesses of its two sites are within its error of zero, and no third site is
-/// nearer.
-///
-/// The excesses of two sites are a map f of space to the plane. Where the least singular value of its
-/// derivative is at least s, all within |f| / s of a point, there is a zero that close: the flow of Newton's
-/// method, x' = -J^+ f, leads there on a path no longer than that [Deuflhard04, 3.3].
+/// Edges: all along a curve the excesses of its two sites are within its error of zero (edge_distance.hpp),
+/// and no third site is nearer (edge_rivals.hpp).
 #pragma once
 
 #include <vector>

@@ -1,9 +1,5 @@
-/// Faces: a patch lies on its bisector, and no other site is nearer anywhere inside its trims.
-///
-/// On the bisector of site i the excess of a site k has its least value over a face on the face's boundary,
-/// where the edges are judged, or at a point where its gradient and that of i's excess are parallel. So
-/// beside the boundary nothing has to be resolved: a part of the patch needs no other proof than that the
-/// two gradients are nowhere parallel in it, or that k is farther.
+/// Faces: a patch lies on its bisector (patch_distance.hpp), and no other site is nearer anywhere inside its
+/// trims (patch_rivals.hpp).
 #pragma once
 
 #include <span>

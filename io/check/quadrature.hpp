@@ -187,27 +187,55 @@ namespace detail {
 /// roundings.
 inline double node_error(double middle, double half) { return 0x1p-50 * (std::abs(middle) + half); }
 
-/// How far rounding may take f's values in plain doubles from its true ones within a disc's real part, which
-/// may be looked at in parts.
-template <std::size_t N, class F>
-bool is_rounding_below(const F& f, double middle, double half, const std::array<double, N>& most,
-                       std::array<double, N>& rounding) {
+/// How far rounding may take values in plain doubles from true ones, where look(parts, note) notes what is
+/// traced of them in as many parts, as long as note() returns true.
+template <std::size_t N, class Look>
+bool is_rounding_below(const std::array<double, N>& most, std::array<double, N>& rounding, const Look& look) {
     constexpr int most_parts = 4;
-    const double at_nodes = node_error(middle, half);
     for (int parts = 1; parts <= most_parts; parts *= 2) {
         bool is_enough = true;
         rounding.fill(0);
-        for (int k = 0; k < parts && is_enough; ++k) {
-            const double center = middle + half * ((2 * k + 1 - parts) / static_cast<double>(parts));
-            const auto traced = f(Traced(Disc(center, half / parts + at_nodes), at_nodes));
+        look(parts, [&](const auto& traced) {
             for (std::size_t i = 0; i < N; ++i) {
                 rounding[i] = std::max(rounding[i], traced[i].error());
                 is_enough = is_enough && traced[i].error() <= most[i];
             }
-        }
+            return is_enough;
+        });
         if (is_enough) return true;
     }
     return false;
+}
+
+/// The k-th part of a disc's real part, in which rules have places.
+inline Traced traced_part(double middle, double half, int k, int parts) {
+    const double at_nodes = node_error(middle, half);
+    return Traced(
+        Disc(middle + half * ((2 * k + 1 - parts) / static_cast<double>(parts)), half / parts + at_nodes),
+        at_nodes);
+}
+
+/// Of f within a disc's real part.
+template <std::size_t N, class F>
+bool is_rounding_below(const F& f, double middle, double half, const std::array<double, N>& most,
+                       std::array<double, N>& rounding) {
+    return is_rounding_below(most, rounding, [&](int parts, const auto& note) {
+        for (int k = 0; k < parts; ++k)
+            if (!note(f(traced_part(middle, half, k, parts)))) return;
+    });
+}
+
+/// Of f in a rectangle, in as many parts along either variable; f(s) returns a function of t.
+template <std::size_t N, class F>
+bool is_rounding_below(const F& f, const std::array<double, 2>& middle, const std::array<double, 2>& half,
+                       const std::array<double, N>& most, std::array<double, N>& rounding) {
+    return is_rounding_below(most, rounding, [&](int parts, const auto& note) {
+        for (int k = 0; k < parts; ++k) {
+            const auto section = f(traced_part(middle[0], half[0], k, parts));
+            for (int l = 0; l < parts; ++l)
+                if (!note(section(traced_part(middle[1], half[1], l, parts)))) return;
+        }
+    });
 }
 
 /// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
@@ -247,35 +275,6 @@ void add_enclosed(const F& f, double middle, const MidRad& half_width, const Gau
     }
     for (std::size_t i = 0; i < N; ++i)
         sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
-}
-
-/// Looks likewise at a rectangle, in as many parts along either variable; f(s) returns a function of t.
-template <std::size_t N, class F>
-bool is_rounding_below(const F& f, const std::array<double, 2>& middle, const std::array<double, 2>& half,
-                       const std::array<double, N>& most, std::array<double, N>& rounding) {
-    constexpr int most_parts = 4;
-    const auto part = [&](std::size_t axis, int k, int parts) {
-        const double at_nodes = node_error(middle[axis], half[axis]);
-        return Traced(Disc(middle[axis] + half[axis] * ((2 * k + 1 - parts) / static_cast<double>(parts)),
-                           half[axis] / parts + at_nodes),
-                      at_nodes);
-    };
-    for (int parts = 1; parts <= most_parts; parts *= 2) {
-        bool is_enough = true;
-        rounding.fill(0);
-        for (int k = 0; k < parts && is_enough; ++k) {
-            const auto section = f(part(0, k, parts));
-            for (int l = 0; l < parts && is_enough; ++l) {
-                const auto traced = section(part(1, l, parts));
-                for (std::size_t i = 0; i < N; ++i) {
-                    rounding[i] = std::max(rounding[i], traced[i].error());
-                    is_enough = is_enough && traced[i].error() <= most[i];
-                }
-            }
-        }
-        if (is_enough) return true;
-    }
-    return false;
 }
 
 /// The sum of the product of two rules in plain doubles, of which weights add up to 4; `rounding` of values.

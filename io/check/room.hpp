@@ -65,9 +65,20 @@ protected:
     static double growth_of(const Condition& c, const Vector<Interval>& gradient) {
         return c.site.is_object() ? 0.5 * square(gradient).lower() : 0.5;
     }
-    /// How far from a curve or a patch its true place is looked for first, for each unit of its excess:
-    /// gradients of excesses are seldom so short that it is farther.
-    static constexpr double kFirstMargin = 8;
+    /// How far a curve or a patch with an excess of that size is from its true place: the first
+    /// find(margin).distance that is no more than the margin for which it was found. Gradients of excesses
+    /// are seldom so short that it is farther than the first one. None: find() has none.
+    template <class Find>
+    static auto within_margin(const Find& find, double size) -> decltype(find(size)) {
+        constexpr double first_margin = 8;
+        double margin = first_margin * size;
+        for (int tries = 0; tries < 4; ++tries) {
+            const auto found = find(margin);
+            if (!found || found->distance <= margin) return found;
+            margin = 1.25 * found->distance;
+        }
+        return std::nullopt;
+    }
 
     /// What contradicts that p, stated with an error, bounds the cell by the given sites; nothing if fine.
     std::optional<std::string> contradiction(const Vec3& p, double error, std::span<const Site> sites) const;
