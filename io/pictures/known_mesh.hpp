@@ -27,6 +27,8 @@ struct KnownMesh {
     /// where its curve begins.
     std::vector<std::vector<std::uint32_t>> lines;
     std::vector<std::optional<Face>> faces;  ///< for each face of the cell
+    /// Null: not known.
+    const Face* face(std::size_t f) const { return f < faces.size() && faces[f] ? &*faces[f] : nullptr; }
     /// For each edge of the cell, or none at all: parameters at which its polyline is to have a point.
     std::vector<std::vector<double>> breaks;
 };

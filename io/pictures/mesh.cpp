@@ -7,53 +7,19 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
 
-#include "../../core/errors.hpp"
 #include "../solids/joined_parts.hpp"
 #include "../solids/shell.hpp"
 #include "folds.hpp"
 #include "known_mesh.hpp"
+#include "line_sampling.hpp"
 #include "lone_points.hpp"
 #include "mesh_shape.hpp"
 #include "polygons.hpp"
-#include "sampled_line.hpp"
-#include "trims.hpp"
 
 namespace vcell {
 
 namespace {
-
-constexpr std::uint32_t none = UINT32_MAX;
-
-// Lines with sides that cross others of one face.
-void find_crossings(const std::vector<std::vector<LoopPoint>>& polygons, std::vector<bool>& coarse) {
-    struct Segment {
-        Vec2 a, b;
-        std::uint32_t line;
-        double low() const { return std::min(a.x(), b.x()); }
-        double high() const { return std::max(a.x(), b.x()); }
-    };
-    std::vector<Segment> segments;
-    for (const auto& loop : polygons)
-        for (std::size_t i = 0; i < loop.size(); ++i)
-            segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].line});
-    std::sort(segments.begin(), segments.end(),
-              [](const auto& s, const auto& t) { return s.low() < t.low(); });
-    for (std::size_t i = 0; i < segments.size(); ++i)
-        for (std::size_t j = i + 1; j < segments.size() && segments[j].low() <= segments[i].high(); ++j)
-            if (proper_crossing(segments[i].a, segments[i].b, segments[j].a, segments[j].b))
-                coarse[segments[i].line] = coarse[segments[j].line] = true;
-}
-
-/// The mesh has grown beyond its bound, or a line beyond all halving.
-struct TooFine {};
-
-/// By how much triangles may be off: nothing by more than `most`.
-struct Chords {
-    double most;
-    std::vector<double> of_edges, of_faces;  // of the shell
-};
 
 // A chord is no longer than that part of what its edge or face measures itself, which may be far below the
 // cell's.
@@ -96,54 +62,16 @@ public:
           cell_(cell),
           known_(known),
           chords_(chords),
-          keeps_chord_(keeps_chord),
           most_triangles_(most_triangles),
-          lines_(shell.edges.size()) {
-        for (std::size_t e = 0; e < shell.edges.size(); ++e) {
-            const RationalCurve3& curve = shell.edges[e].curve;
-            if (e < known.breaks.size()) lines_[e].breaks = known.breaks[e];
-            lines_[e].breaks.insert(lines_[e].breaks.end(), {curve.domain_begin(), curve.domain_end()});
-            lines_[e].chord = chords.of_edges[e];
-        }
-        for_each_curve([&](const TrimCurve& c, const RationalPatch& s, double chord, bool is_loop) {
-            if (c.is_tip()) {
-                tips_.emplace(&c, static_cast<std::uint32_t>(lines_.size()));
-                lines_.push_back({{}, {c.curve.domain_begin(), c.curve.domain_end()}, around_tip, chord});
-                return;
-            }
-            if (c.seam) {
-                const auto [at, is_new] =
-                    seams_.try_emplace(*c.seam, static_cast<std::uint32_t>(lines_.size()));
-                if (is_new)
-                    lines_.push_back({{},
-                                      {c.curve.domain_begin(), c.curve.domain_end()},
-                                      is_loop ? least_around : 1,
-                                      chord});
-            }
-            Line& line = lines_[line_of(c)];
-            line.uses.push_back({&c, &s, chord});
-            for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
-                line.breaks.push_back(line_parameter(c, t));
-        });
-        for (Line& line : lines_) settle_breaks(line.breaks);
-    }
+          lines_(shell, cell, known, chords, keeps_chord, most_triangles) {}
 
     CellMesh mesh() {
-        for (std::size_t e = 0; e < shell_.edges.size(); ++e)
-            lines_[e].pieces = first_pieces(shell_.edges[e]);
-        // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
-        constexpr int rounds = 8;
-        sampled_.resize(lines_.size());
-        for (std::size_t e = 0; e < shell_.edges.size(); ++e)
-            if (is_known_line(e)) sample_known_line(e);
-        sample_lines();
-        for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
-
+        mesh_.points = lines_.sample();
         std::vector<std::pair<std::size_t, std::size_t>> drawn;
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
-            if (is_known_face(f))
-                add_known_face(*known_.faces[f]);
+            if (const auto* face = known_.face(f))
+                add_known_face(*face);
             else
                 for (const TrimmedPatch& patch : shell_.faces[f].patches) {
                     const std::size_t before = mesh_.triangles.size();
@@ -155,39 +83,13 @@ public:
         }
         separate_sides(mesh_, drawn);
         for (std::size_t e = 0; e < cell_.edges.size(); ++e)
-            mesh_.edge_lines.push_back(is_known_line(e) ? known_.lines[e] : sampled_[e].points);
+            mesh_.edge_lines.push_back(lines_.points_along(e));
         check_size();
         mesh_.chord = chords_.most;
         return std::move(mesh_);
     }
 
 private:
-    /// A trimming curve, its patch, and the face's chord.
-    struct Use {
-        const TrimCurve* curve;
-        const RationalPatch* patch;
-        double chord;
-    };
-    /// A cell edge (those come first), a seam, or what of a patch's boundary is one point, a tip.
-    struct Line {
-        std::vector<Use> uses;
-        std::vector<double> breaks;  // where trimming curves begin and end: points of every polyline
-        std::size_t pieces = 1;      // between its ends, before halving
-        double chord = 0;
-    };
-
-    bool is_known_line(std::size_t line) const {
-        return line < known_.lines.size() && !known_.lines[line].empty();
-    }
-    bool is_known_face(std::size_t f) const { return f < known_.faces.size() && known_.faces[f]; }
-    // The feet of what closes the cell come after all that is known.
-    std::uint32_t point_of(std::uint32_t vertex) const {
-        const std::size_t own = cell_.vertices.size();
-        if (vertex < own) return known_.vertices.empty() ? vertex : known_.vertices[vertex];
-        return known_.points.empty() ? vertex
-                                     : static_cast<std::uint32_t>(known_.points.size() + (vertex - own));
-    }
-
     // What closes the shell comes after the cell's faces: walls and ends together, the base in the end.
     void add_group(std::uint32_t f, std::size_t begin) {
         using Kind = CellMesh::Group::Kind;
@@ -197,117 +99,12 @@ private:
         if (kind != Kind::Face && !mesh_.groups.empty() && mesh_.groups.back().kind == kind)
             mesh_.groups.back().end = mesh_.triangles.size();
         else
-            mesh_.groups.push_back(
-                {kind, kind == Kind::Face ? f : none, begin, mesh_.triangles.size(), shell_.faces[f].site});
+            mesh_.groups.push_back({kind, kind == Kind::Face ? f : UINT32_MAX, begin, mesh_.triangles.size(),
+                                    shell_.faces[f].site});
     }
 
     void check_size() const {
         if (mesh_.triangles.size() > most_triangles_) throw TooFine();
-    }
-
-    template <class F>
-    void for_each_curve(F f) const {
-        for (std::size_t i = 0; i < shell_.faces.size(); ++i)
-            if (!is_known_face(i))
-                for (const TrimmedPatch& patch : shell_.faces[i].patches)
-                    for (const auto& loop : patch.loops)
-                        for (const TrimCurve& c : loop)
-                            f(c, patch.surface, chords_.of_faces[i], loop.size() == 1);
-    }
-
-    std::uint32_t line_of(const TrimCurve& c) const {
-        return c.edge ? *c.edge : c.seam ? seams_.at(*c.seam) : tips_.at(&c);
-    }
-
-    // The line's parameter at t of a trimming curve along it, and the other way round. Along a seam the two
-    // run against each other, whatever their domains.
-    double line_parameter(const TrimCurve& c, double t) const {
-        if (c.is_tip()) return t;
-        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
-        const TrimCurve& first = *seam_leader(c);
-        if (&first == &c) return t;
-        return mirrored(c.curve, first.curve, t);
-    }
-    double trim_parameter(const TrimCurve& c, double t) const {
-        if (c.is_tip()) return t;
-        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
-        const TrimCurve& first = *seam_leader(c);
-        if (&first == &c) return t;
-        return mirrored(first.curve, c.curve, t);
-    }
-    const TrimCurve* seam_leader(const TrimCurve& c) const {
-        const Line& line = lines_[seams_.at(*c.seam)];
-        return line.uses.empty() ? &c : line.uses.front().curve;
-    }
-
-    // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
-    // points of its own beside its ends, whatever the chord. A seam has them only where it is a loop.
-    static constexpr std::size_t least_around = 8;
-    // Into so many parts each of a tip's sides is divided in the parameters.
-    static constexpr std::size_t around_tip = 4;
-    static std::size_t first_pieces(const CellEdge& e) {
-        if (e.vertices.empty()) return least_around;
-        return e.kind == CurveKind::Line ? 1 : 2;
-    }
-
-    // Whether the stretch [from, to] of a line needs a point between: for the curve itself, and for the
-    // patches on both sides, whose inner sides could not be shorter than those on the boundary, and which
-    // have nothing of the face beyond the line.
-    bool too_coarse(std::size_t line, double from, double to) const {
-        if (line < shell_.edges.size()) {
-            const RationalCurve3& curve = shell_.edges[line].curve;
-            if (deviation(curve, from, to) > lines_[line].chord) return true;
-        }
-        for (const Use& use : lines_[line].uses) {
-            const RationalCurve2& curve = use.curve->curve;
-            const double a = trim_parameter(*use.curve, from), b = trim_parameter(*use.curve, to);
-            if (std::max(a, b) <= curve.domain_begin() || std::min(a, b) >= curve.domain_end()) continue;
-            const Vec2 from_uv = curve.evaluate(a), to_uv = curve.evaluate(b);
-            if (deviation(*use.patch, from_uv, to_uv) > use.chord ||
-                strays(*use.patch, from_uv, to_uv, use.chord))
-                return true;
-        }
-        return false;
-    }
-
-    // Parameters of a line: pieces of equal length between its breaks, halved while they are too coarse.
-    std::vector<double> parameters(std::size_t line) const {
-        const std::vector<double>& breaks = lines_[line].breaks;
-        std::vector<double> result{breaks.front()};
-        const auto add = [&](auto& self, double from, double to, int depth) -> void {
-            constexpr int deepest = 12;
-            if ((depth < deepest || keeps_chord_) && too_coarse(line, from, to)) {
-                if (depth == deepest) throw TooFine();
-                const double middle = 0.5 * (from + to);
-                self(self, from, middle, depth + 1);
-                self(self, middle, to, depth + 1);
-            } else {
-                result.push_back(to);
-            }
-        };
-        const std::size_t pieces = lines_[line].pieces;
-        for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
-            const double begin = breaks[k], end = breaks[k + 1];
-            const auto at = [&](std::size_t i) {
-                return i == pieces
-                           ? end
-                           : begin + (end - begin) * static_cast<double>(i) / static_cast<double>(pieces);
-            };
-            for (std::size_t i = 0; i < pieces; ++i) add(add, at(i), at(i + 1), 0);
-        }
-        return result;
-    }
-
-    void sample_known_line(std::size_t e) {
-        SampledLine& s = sampled_[e];
-        s.points = known_.lines[e];
-        if (lines_[e].uses.empty()) return;
-        std::vector<Vec3> points;
-        for (const std::uint32_t p : s.points) points.push_back(known_.points[p]);
-        const CellEdge& edge = shell_.edges[e];
-        s.parameters = parameters_along(edge.curve, points);
-        if (edge.vertices.empty()) s.closing_parameter = nearest_parameter(edge.curve, points.front());
-        break_up(s, lines_[e].breaks);
     }
 
     void add_known_face(const KnownMesh::Face& face) {
@@ -318,149 +115,9 @@ private:
             mesh_.corner_normals.push_back({before + n[0], before + n[1], before + n[2]});
     }
 
-    // Mesh points: the cell's vertices and what else is known, then the inner points of each edge and of each
-    // seam.
-    void sample_lines() {
-        mesh_.points = known_.points;
-        for (std::size_t v = known_.points.empty() ? 0 : cell_.vertices.size(); v < shell_.vertices.size();
-             ++v)
-            mesh_.points.push_back(shell_.vertices[v].point);
-        for (std::size_t i = 0; i < lines_.size(); ++i) {
-            // An edge that parts that are joined have left over has no face.
-            const bool is_left_over = i < shell_.edges.size() && lines_[i].uses.empty();
-            if (is_known_line(i) || is_left_over) continue;
-            if (sampled_[i].parameters.empty()) sampled_[i].parameters = parameters(i);
-            sampled_[i].points.clear();
-            if (i < shell_.edges.size()) sample_edge(i);
-            // Each point of the edges belongs to a triangle of its own.
-            if (mesh_.points.size() > most_triangles_) throw TooFine();
-        }
-        for (std::size_t f = 0; f < shell_.faces.size(); ++f)
-            if (!is_known_face(f)) {
-                sample_tips(shell_.faces[f]);
-                for (const TrimmedPatch& patch : shell_.faces[f].patches)
-                    for (const auto& loop : patch.loops)
-                        for (std::size_t i = 0; i < loop.size(); ++i) sample_seam(loop, i, patch.surface);
-            }
-    }
-
-    // A face has two tips at most, below which it lies in the parameters and above which: all patches share
-    // each.
-    void sample_tips(const CellFace& face) {
-        std::array<std::uint32_t, 2> points{none, none};
-        for (const TrimmedPatch& patch : face.patches)
-            for (const auto& loop : patch.loops)
-                for (const TrimCurve& c : loop) {
-                    if (!c.is_tip()) continue;
-                    const Vec2 from = c.curve.evaluate(c.curve.domain_begin()),
-                               to = c.curve.evaluate(c.curve.domain_end());
-                    std::uint32_t& point = points[to.x() > from.x()];
-                    if (point == none) point = add_point(patch.surface.evaluate(from.x(), from.y()));
-                    SampledLine& s = sampled_[line_of(c)];
-                    s.points.assign(s.parameters.size(), point);
-                }
-    }
-
-    void sample_edge(std::size_t i) {
-        const CellEdge& e = shell_.edges[i];
-        SampledLine& s = sampled_[i];
-        for (const double t : s.parameters) {
-            const bool at_begin = t == s.parameters.front(), at_end = t == s.parameters.back();
-            if (at_begin && !e.vertices.empty())
-                s.points.push_back(point_of(e.vertices[0]));
-            else if (at_end)
-                s.points.push_back(e.vertices.empty() ? s.points.front() : point_of(e.vertices[1]));
-            else
-                s.points.push_back(add_point(e.curve.evaluate(t)));
-        }
-    }
-
-    // A seam runs from edge to edge, or from or to a tip, and shares their points, or alone around a face
-    // that has no edge there.
-    void sample_seam(const std::vector<TrimCurve>& loop, std::size_t i, const RationalPatch& surface) {
-        const TrimCurve& c = loop[i];
-        if (!c.seam || seam_leader(c) != &c) return;
-        const bool is_loop = loop.size() == 1;
-        const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
-                        &after = loop[(i + 1) % loop.size()];
-        if (!is_loop && (before.seam || after.seam)) throw InternalError("tessellate: seams that meet");
-        SampledLine& s = sampled_[line_of(c)];
-        const auto add = [&](double t) {
-            const Vec2 uv = c.curve.evaluate(t);
-            s.points.push_back(add_point(surface.evaluate(uv.x(), uv.y())));
-        };
-        if (is_loop)
-            add(s.parameters.front());
-        else
-            s.points.push_back(polyline(before).back().point);
-        for (std::size_t k = 1; k + 1 < s.parameters.size(); ++k) add(s.parameters[k]);
-        s.points.push_back(is_loop ? s.points.front() : polyline(after).front().point);
-    }
-
     std::uint32_t add_point(const Vec3& p) {
         mesh_.points.push_back(p);
         return static_cast<std::uint32_t>(mesh_.points.size() - 1);
-    }
-
-    // The points of a trimming curve, both ends among them.
-    std::vector<LoopPoint> polyline(const TrimCurve& c) const {
-        const std::uint32_t line = line_of(c);
-        const SampledLine& s = sampled_[line];
-        const double a = line_parameter(c, c.curve.domain_begin()),
-                     b = line_parameter(c, c.curve.domain_end());
-        const double slack = break_rounding * (s.parameters.back() - s.parameters.front());
-        const bool is_whole = std::max(a, b) - std::min(a, b) == s.parameters.back() - s.parameters.front();
-        std::vector<LoopPoint> result;
-        for (std::size_t i = 0; i < s.points.size(); ++i) {
-            double t = s.parameters[i];
-            if (t < std::min(a, b) - slack || t > std::max(a, b) + slack) continue;
-            if (is_whole && s.closing_parameter && (i == 0 || i + 1 == s.points.size()))
-                t = *s.closing_parameter;
-            result.push_back({s.points[i], c.curve.evaluate(trim_parameter(c, t)), line});
-        }
-        if (a > b) std::reverse(result.begin(), result.end());
-        return result;
-    }
-
-    // A trimming loop as a polygon. Of points of a known line that stand for several breaks it has one; a tip
-    // is one point in several places of the parameters.
-    std::vector<LoopPoint> polygon(const std::vector<TrimCurve>& loop) const {
-        std::vector<LoopPoint> result;
-        for (const TrimCurve& c : loop) {
-            const std::vector<LoopPoint> points = polyline(c);
-            for (std::size_t i = 0; i + 1 < points.size(); ++i)
-                if (c.is_tip() || points[i].point != points[i + 1].point) result.push_back(points[i]);
-        }
-        return result;
-    }
-
-    std::vector<std::vector<LoopPoint>> polygons(const TrimmedPatch& patch) const {
-        std::vector<std::vector<LoopPoint>> result;
-        for (const auto& loop : patch.loops) {
-            result.push_back(polygon(loop));
-            // Two straight edges between the same ends enclose nothing.
-            if (result.back().size() < 3) result.pop_back();
-        }
-        return result;
-    }
-
-    // Doubles the pieces of lines whose polylines cross in some face. True if there were any.
-    bool refine_crossing_lines() {
-        std::vector<bool> coarse(lines_.size(), false);
-        for (std::size_t f = 0; f < shell_.faces.size(); ++f)
-            if (!is_known_face(f))
-                for (const TrimmedPatch& patch : shell_.faces[f].patches)
-                    find_crossings(polygons(patch), coarse);
-        bool any = false;
-        for (std::size_t e = 0; e < coarse.size(); ++e)
-            if (coarse[e] && !is_known_line(e)) {
-                // Where halving made some pieces shorter, all become so.
-                const std::size_t stretches = lines_[e].breaks.size() - 1;
-                lines_[e].pieces = std::max(2 * lines_[e].pieces, sampled_[e].points.size() / stretches);
-                sampled_[e].parameters.clear();
-                any = true;
-            }
-        return any;
     }
 
     std::vector<Vec3> places_of(const std::vector<std::uint32_t>& points) const {
@@ -471,7 +128,7 @@ private:
 
     void add_patch(const TrimmedPatch& patch, double chord) {
         const RationalPatch& s = patch.surface;
-        const std::vector<std::vector<LoopPoint>> loops = polygons(patch);
+        const std::vector<std::vector<LoopPoint>> loops = lines_.polygons(patch);
         if (loops.empty()) return;
         std::vector<std::vector<Vec2>> uv;
         std::vector<std::uint32_t> point;
@@ -509,12 +166,8 @@ private:
     const Cell& cell_;
     const KnownMesh& known_;
     const Chords& chords_;
-    bool keeps_chord_;
     std::size_t most_triangles_;
-    std::vector<Line> lines_;                                 // edges, then seams and tips
-    std::unordered_map<std::uint32_t, std::uint32_t> seams_;  // number -> line
-    std::unordered_map<const TrimCurve*, std::uint32_t> tips_;
-    std::vector<SampledLine> sampled_;
+    LineSampling lines_;
     CellMesh mesh_;
 };
 

@@ -204,14 +204,29 @@ private:
         if (outer != none) across_[outer / 3][outer % 3] = 3 * t + k;
     }
 
+    // The triangles at side k of t: (a, b, c) and, with this as its side l, s = (b, a, d); and what is across
+    // their other sides.
+    struct Both {
+        std::uint32_t s, l, a, b, c, d, bc, ca, ad, db;
+    };
+    Both both_at(std::uint32_t t, std::uint32_t k) const {
+        const std::uint32_t s = across_[t][k] / 3, l = across_[t][k] % 3;
+        const Triangle &p = triangles_[t], &q = triangles_[s];
+        return {s,
+                l,
+                p[k],
+                p[(k + 1) % 3],
+                p[(k + 2) % 3],
+                q[(l + 2) % 3],
+                across_[t][(k + 1) % 3],
+                across_[t][(k + 2) % 3],
+                across_[s][(l + 1) % 3],
+                across_[s][(l + 2) % 3]};
+    }
+
     // Cuts both triangles at side k of t through the side's midpoint.
     void halve(std::uint32_t t, std::uint32_t k) {
-        const std::uint32_t s = across_[t][k] / 3, l = across_[t][k] % 3;
-        const std::uint32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3],
-                            c = triangles_[t][(k + 2) % 3];
-        const std::uint32_t d = triangles_[s][(l + 2) % 3];
-        const std::uint32_t bc = across_[t][(k + 1) % 3], ca = across_[t][(k + 2) % 3];
-        const std::uint32_t ad = across_[s][(l + 1) % 3], db = across_[s][(l + 2) % 3];
+        const auto [s, l, a, b, c, d, bc, ca, ad, db] = both_at(t, k);
         const auto m = static_cast<std::uint32_t>(points_.size());
         points_.push_back(0.5 * (points_[a] + points_[b]));
         const auto t2 = static_cast<std::uint32_t>(triangles_.size()), s2 = t2 + 1;
@@ -272,12 +287,7 @@ private:
     }
 
     void flip(std::uint32_t t, std::uint32_t k) {
-        const std::uint32_t s = across_[t][k] / 3, l = across_[t][k] % 3;
-        const std::uint32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3],
-                            c = triangles_[t][(k + 2) % 3];
-        const std::uint32_t d = triangles_[s][(l + 2) % 3];
-        const std::uint32_t bc = across_[t][(k + 1) % 3], ca = across_[t][(k + 2) % 3];
-        const std::uint32_t ad = across_[s][(l + 1) % 3], db = across_[s][(l + 2) % 3];
+        const auto [s, l, a, b, c, d, bc, ca, ad, db] = both_at(t, k);
         triangles_[t] = {a, d, c};
         triangles_[s] = {d, b, c};
         if (!is_short_.empty()) {
