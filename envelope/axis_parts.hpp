@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "../core/errors.hpp"
 #include "../primitives/bases/canonical.hpp"
 
 namespace vcell {
@@ -43,12 +44,28 @@ public:
 
     /// The parts of the range, heights along the axis, ascending.
     const std::vector<std::array<double, 2>>& parts() const { return parts_; }
-    /// What of a part keeps so far clear of the planes at its ends; empty if from >= to.
-    std::array<double, 2> clear_of_planes(const std::array<double, 2>& part, double room) const;
-    /// Which sides of the box a part of the axis is beyond.
-    std::array<bool, 6> beyond(const std::array<double, 2>& part) const;
+    /// Calls use(sides of the box that the part is beyond, stretch) for what of a part keeps clear of the
+    /// planes at its ends, with more room where that leaves too few digits. Returns the length left out.
+    template <class Use>
+    double on_clear_stretch(const std::array<double, 2>& part, double diagonal, Use&& use) const {
+        for (const double least : least_rooms) {
+            const std::array<double, 2> stretch = clear_of_planes(part, least * diagonal);
+            if (!(stretch[0] < stretch[1])) break;
+            try {
+                use(beyond(part), stretch);
+                return (part[1] - stretch[1]) + (stretch[0] - part[0]);
+            } catch (const UndecidedError&) {
+                if (least == least_rooms.back() || stretch == part) throw;
+            }
+        }
+        return part[1] - part[0];
+    }
 
 private:
+    // What of a part keeps so far clear of the planes at its ends; empty if from >= to.
+    std::array<double, 2> clear_of_planes(const std::array<double, 2>& part, double room) const;
+    std::array<bool, 6> beyond(const std::array<double, 2>& part) const;
+
     // A part of the axis ends where it crosses a side's plane, or where the box or a vessel does. The way
     // along the axis is so many times as long as its distance from the plane.
     struct End {

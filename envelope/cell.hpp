@@ -89,6 +89,18 @@ struct Measures {
     double max_clearance = not_measured, max_clearance_error = not_measured;
     bool touches_box = false;   ///< over a plane base always: its region ends at the box
     bool is_estimated = false;  ///< the errors of volume, area and box_area, otherwise proven bounds
+
+    /// To those of more faces.
+    void extend_clearances(const Measures& other) {
+        if (!(min_clearance <= other.min_clearance)) {
+            min_clearance = other.min_clearance;
+            min_clearance_error = other.min_clearance_error;
+        }
+        if (!(max_clearance >= other.max_clearance)) {
+            max_clearance = other.max_clearance;
+            max_clearance_error = other.max_clearance_error;
+        }
+    }
 };
 
 /// First and second moments of a cell's volume, the base's body included.

@@ -135,7 +135,7 @@ std::array<double, 3> steps_before(const Box& box, const Plane& base) {
 
 CompleteMeasures of_plane(Scene scene, const Plane& base) {
     const Box box = scene.box;
-    if (!scene.tolerance) scene.tolerance = 1e-7 * box.diagonal();
+    scene.tolerance = scene.fit_tolerance();
     const std::array<double, 3> steps = steps_before(box, base);
     Sum sum;
     for (unsigned before = 0; before < 8; ++before) {
@@ -192,7 +192,7 @@ Box room(const BoxSides& sides, unsigned subset, const Box& around) {
 }
 
 Cell lift(const RadialBaseProblem& problem, const DecidedScene& decided) {
-    const double tolerance = decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal());
+    const double tolerance = decided.scene.fit_tolerance();
     const MinimizationDiagram diagram = diagram_of(problem, {});
     // Trims on a cap may be fitted, and widen the bounds; some faces in vessels have no patches around a
     // cylinder.
@@ -277,20 +277,12 @@ private:
     }
 
     void add(const AxisParts& axis, const std::array<double, 2>& part) {
-        for (const double least : AxisParts::least_rooms) {
-            const std::array<double, 2> stretch = axis.clear_of_planes(part, least * diagonal_);
-            if (!(stretch[0] < stretch[1])) break;
-            try {
+        left_out_ += axis.on_clear_stretch(
+            part, diagonal_, [&](const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) {
                 Sum sum = sum_;
-                add(sum, axis.beyond(part), stretch);
+                add(sum, beyond, stretch);
                 sum_ = std::move(sum);
-                left_out_ += (part[1] - stretch[1]) + (stretch[0] - part[0]);
-                return;
-            } catch (const UndecidedError&) {
-                if (least == AxisParts::least_rooms.back() || stretch == part) throw;
-            }
-        }
-        left_out_ += part[1] - part[0];
+            });
     }
 
     void add(Sum& sum, const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) const {

@@ -25,7 +25,7 @@ public:
           unit_(decided.unit),
           with_measures_(with_measures),
           diagonal_(scene_.box.diagonal()),
-          tolerance_(scene_.tolerance.value_or(1e-7 * diagonal_)),
+          tolerance_(scene_.fit_tolerance()),
           frame_(cylinder_frame(scene_, base_)),
           sides_(canonical_box(scene_.box, frame_)),
           axis_(scene_.box, frame_,
@@ -40,18 +40,8 @@ public:
 
 private:
     void add(const std::array<double, 2>& part) {
-        for (const double least : AxisParts::least_rooms) {
-            const std::array<double, 2> stretch = axis_.clear_of_planes(part, least * diagonal_);
-            if (!(stretch[0] < stretch[1])) break;
-            try {
-                add_part(axis_.beyond(part), stretch);
-                left_out_ += (part[1] - stretch[1]) + (stretch[0] - part[0]);
-                return;
-            } catch (const UndecidedError&) {
-                if (least == AxisParts::least_rooms.back() || stretch == part) throw;
-            }
-        }
-        left_out_ += part[1] - part[0];
+        left_out_ += axis_.on_clear_stretch(
+            part, diagonal_, [&](const auto& beyond, const auto& stretch) { add_part(beyond, stretch); });
     }
 
     void add_part(const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) {
@@ -160,14 +150,7 @@ private:
         m.box_area += part.box_area;
         m.box_area_error += part.box_area_error + 0x1p-50 * m.box_area;
         m.is_estimated = m.is_estimated || part.is_estimated;
-        if (!(m.min_clearance <= part.min_clearance)) {
-            m.min_clearance = part.min_clearance;
-            m.min_clearance_error = part.min_clearance_error;
-        }
-        if (!(m.max_clearance >= part.max_clearance)) {
-            m.max_clearance = part.max_clearance;
-            m.max_clearance_error = part.max_clearance_error;
-        }
+        m.extend_clearances(part);
     }
 
     // What is left out is no wider than slabs across the axis; faces that do not run along one have about its

@@ -201,8 +201,7 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     const double seconds_envelope = watch.lap();
 
     report("patches", 0);
-    LiftedCell lifted = steps.lift(
-        problem, diagrams, decided.scene.tolerance.value_or(1e-7 * decided.scene.box.diagonal()), options);
+    LiftedCell lifted = steps.lift(problem, diagrams, decided.scene.fit_tolerance(), options);
     lifted.cell.is_complete = options.complete && may_be_completed(decided.scene);
     const MotionBack motion{problem.moved, problem.moved_apart,
                             problem.chart.unit_of_coordinates(decided.unit)};

@@ -318,21 +318,13 @@ private:
     // Measures are those of the faces alone: a tube's body and ends are added by the caller, who knows its
     // parts.
     void add_measures_of_part() {
-        const Measures& floor = floor_.cell.measures;
         Measures& m = result_.cell.measures;
         m.area = m.area_error = m.box_area = m.box_area_error = 0;
         for (const CellFace& f : result_.cell.faces) {
             (f.site.is_object() ? m.area : m.box_area) += f.area;
             (f.site.is_object() ? m.area_error : m.box_area_error) += f.area_error + 0x1p-52 * f.area;
         }
-        if (!(m.min_clearance <= floor.min_clearance)) {
-            m.min_clearance = floor.min_clearance;
-            m.min_clearance_error = floor.min_clearance_error;
-        }
-        if (!(m.max_clearance >= floor.max_clearance)) {
-            m.max_clearance = floor.max_clearance;
-            m.max_clearance_error = floor.max_clearance_error;
-        }
+        m.extend_clearances(floor_.cell.measures);
         m.body_volume = m.body_volume_error = m.base_area = m.base_area_error = 0;
     }
 

@@ -92,6 +92,15 @@ void RadialPatch::add(const Polynomial& f, const Polynomial& g, const Vector4d& 
         for (int j = 0; j < 3; ++j) coefficients_[3 * i + j] += f[i] * g[j] * h;
 }
 
+void RadialPatch::add_direction(double power, const Vec3& z) {
+    const Vector4d pole = 0.5 * power * vector(z);
+    add(1, 0, power * vector(axes_[0]));
+    add(0, 1, power * vector(axes_[1]));
+    add(0, 0, pole);
+    add(2, 0, -pole);
+    add(0, 2, -pole);
+}
+
 void RadialPatch::set_plane(const Vec3& point, const Vec3& normal) {
     const Vec3 x = normal.unitOrthogonal(), origin = point.dot(normal) * normal;
     set_axes(Kind::Planar, x, normal.cross(x), origin);
@@ -123,12 +132,7 @@ void RadialPatch::set_stereographic(const Vec3& c, double delta, double power, c
     add(0, 0, sum * weight);
     add(2, 0, -difference * weight);
     add(0, 2, -difference * weight);
-    const Vector4d pole = 0.5 * power * vector(axes_[2]);
-    add(1, 0, power * vector(axes_[0]));
-    add(0, 1, power * vector(axes_[1]));
-    add(0, 0, pole);
-    add(2, 0, -pole);
-    add(0, 2, -pole);
+    add_direction(power, axes_[2]);
 }
 
 // The directions at infinity make the angle acos(-delta / |c|) with c; that on the other side of `middle` is

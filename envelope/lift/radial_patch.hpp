@@ -196,6 +196,8 @@ private:
     void add(int i, int j, const Eigen::Vector4d& h) { coefficients_[3 * i + j] += h; }
     /// Adds f(u) g(v) h with polynomials f, g.
     void add(const std::array<double, 3>& f, const std::array<double, 3>& g, const Eigen::Vector4d& h);
+    /// Adds half of `power` times n of stereographic coordinates about z.
+    void add_direction(double power, const Vec3& z);
 
     Kind kind_ = Kind::Planar;
     std::array<int, 2> degree_{1, 1};

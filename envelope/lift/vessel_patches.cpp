@@ -20,12 +20,7 @@ void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const
     add(0, 2, (delta + along) * weight);
     add(1, 0, -2 * c.dot(axes_[0]) * weight);
     add(0, 1, -2 * c.dot(axes_[1]) * weight);
-    const Vector4d pole = 0.5 * power * vector(z);
-    add(1, 0, power * vector(axes_[0]));
-    add(0, 1, power * vector(axes_[1]));
-    add(0, 0, pole);
-    add(2, 0, -pole);
-    add(0, 2, -pole);
+    add_direction(power, z);
 }
 
 void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle) {

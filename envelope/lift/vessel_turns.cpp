@@ -17,6 +17,22 @@ namespace {
 
 // A loop's angles. Between two points of the chart in one cell of the diagram the arc may turn as it likes,
 // but so does the straight way through the cell, as long as the axis does not come out of it.
+// Calls use(place, is where an edge begins, is a vertex) for the ends of all pieces around a loop.
+template <class Use>
+void follow(const MinimizationDiagram& diagram, const FaceLoops& loops, CcbId ccb, Use&& use) {
+    loops.around(ccb, [&](EdgeId e, bool reversed) {
+        const auto pieces = diagram.pieces(e);
+        const std::size_t count = pieces.size();
+        const auto end = [&](VertexId v, bool is_begin) {
+            use(v.valid() ? diagram.vertices[v].point : pieces.back().end, is_begin, v.valid());
+        };
+        end(reversed ? diagram.end(e) : diagram.start(e), true);
+        for (std::size_t i = 0; i + 1 < count; ++i)
+            use(pieces[reversed ? count - 2 - i : i].end, false, false);
+        end(reversed ? diagram.start(e) : diagram.end(e), false);
+    });
+}
+
 class LoopTurn {
 public:
     LoopTurn(const RadialDiagram& of, const VesselAxis& axis, FormId form)
@@ -87,15 +103,10 @@ VesselTurns::VesselTurns(const RadialDiagram& of, const FaceLoops& loops, const 
     const MinimizationDiagram& diagram = of.diagram;
     for (const CcbId ccb : loops[face]) {
         LoopTurn loop(of, axis, diagram.face_forms[face]);
-        loops.around(ccb, [&](EdgeId e, bool reversed) {
-            const VertexId from = reversed ? diagram.end(e) : diagram.start(e),
-                           to = reversed ? diagram.start(e) : diagram.end(e);
-            const auto pieces = diagram.pieces(e);
-            const std::size_t count = pieces.size();
-            loop.start_at(from.valid() ? diagram.vertices[from].point : pieces.back().end);
-            if (from.valid()) of_vertices_.push_back(loop.angle(diagram.vertices[from].point));
-            for (std::size_t i = 0; i + 1 < count; ++i) loop.go_to(pieces[reversed ? count - 2 - i : i].end);
-            loop.go_to(to.valid() ? diagram.vertices[to].point : pieces.back().end);
+        follow(diagram, loops, ccb, [&](const Vec2& q, bool is_begin, bool is_vertex) {
+            if (!is_begin) return loop.go_to(q);
+            loop.start_at(q);
+            if (is_vertex) of_vertices_.push_back(loop.angle(q));
         });
         if (!loop.is_closed() && (is_closed_ || !(loop.to() - loop.from() > width()))) continue;
         from_ = loop.from();
@@ -150,14 +161,8 @@ bool FaceTips::holds(const RadialDiagram& of, const FaceLoops& loops, FaceId fac
             if (last) turn += std::atan2(last->x() * next.y() - last->y() * next.x(), last->dot(next));
             last = next;
         };
-        loops.around(ccb, [&](EdgeId e, bool reversed) {
-            const VertexId from = reversed ? diagram.end(e) : diagram.start(e),
-                           to = reversed ? diagram.start(e) : diagram.end(e);
-            const auto pieces = diagram.pieces(e);
-            const std::size_t count = pieces.size();
-            if (!last) go_to(from.valid() ? diagram.vertices[from].point : pieces.back().end);
-            for (std::size_t i = 0; i + 1 < count; ++i) go_to(pieces[reversed ? count - 2 - i : i].end);
-            go_to(to.valid() ? diagram.vertices[to].point : pieces.back().end);
+        follow(diagram, loops, ccb, [&](const Vec2& q, bool is_begin, bool) {
+            if (!is_begin || !last) go_to(q);
         });
     }
     return std::lround(turn / (2 * std::numbers::pi)) + (has_pole ? 1 : 0) == 1;

@@ -40,7 +40,7 @@ struct Scene {
     std::string base_name;
     Box box;
     std::string units = "mm";
-    /// Length; none: 1e-7 of the box diagonal. Curves around a ball or tube are no farther from the true ones
+    /// Length; none: as of fit_tolerance(). Curves around a ball or tube are no farther from the true ones
     /// than 1e-4 of what the cell reaches from its centre or axis either.
     std::optional<double> tolerance;
     /// The cell ends where its clearance is this (> 0, length; the field's probe radius), in a cap that has
@@ -48,6 +48,9 @@ struct Scene {
     /// that is so far before it. Areas of its faces are the accessible surface.
     std::optional<double> probe;
 
+    /// How far fitted curves may be from the true ones, in length: the tolerance, by default 1e-7 of the
+    /// box's diagonal.
+    double fit_tolerance() const { return tolerance.value_or(1e-7 * box.diagonal()); }
     bool competes(std::size_t object) const { return !base_object || *base_object != object; }
     std::uint32_t number(std::size_t object) const {
         return numbers.empty() ? static_cast<std::uint32_t>(object) : numbers[object];
