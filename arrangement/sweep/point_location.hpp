@@ -8,36 +8,6 @@
 
 namespace vcell {
 
-/// The feature that holds p, by looking at every vertex and edge. The reference for PointLocator.
-template <ArcGeometry G>
-Feature locate_by_walk(G& geometry, const Arrangement<G>& arrangement, const typename G::Point& p) {
-    for (const VertexId v : arrangement.points.ids()) {
-        if (geometry.compare_xy(p, arrangement.points[v]) == Sign::Zero) return v;
-    }
-    EdgeId below;
-    for (const EdgeId e : arrangement.arcs.ids()) {
-        const auto& arc = arrangement.arcs[e];
-        if (geometry.compare_xy(p, geometry.left(arc)) == Sign::Negative) continue;
-        if (geometry.compare_xy(p, geometry.right(arc)) == Sign::Positive) continue;
-        const Sign side = geometry.compare_y_at_x(p, arc);
-        if (side == Sign::Zero) return e;
-        if (side == Sign::Negative) continue;
-        if (!below.valid()) {
-            below = e;
-            continue;
-        }
-        // Both arcs pass below p and do not cross: their order is that where the later one begins.
-        const auto& other = arrangement.arcs[below];
-        const auto left = geometry.left(arc), other_left = geometry.left(other);
-        const Sign order = geometry.compare_xy(left, other_left);
-        const Sign height = order == Sign::Positive   ? geometry.compare_y_at_x(left, other)
-                            : order == Sign::Negative ? -geometry.compare_y_at_x(other_left, arc)
-                                                      : geometry.compare_y_right_of(arc, other, left);
-        if (height == Sign::Positive) below = e;
-    }
-    return below.valid() ? arrangement.dcel.face(Dcel::half_edge(below)) : Dcel::unbounded_face();
-}
-
 namespace detail {
 
 /// A persistent ordered sequence [ST86]: every version stays readable, an update copies the nodes on its way.

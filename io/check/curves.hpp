@@ -158,7 +158,4 @@ Integral<V> integrate(const F& f, double a, double b, const V& floor, int depth 
     return {l.value + r.value, l.error + r.error};
 }
 
-using Scalar = Eigen::Array<double, 1, 1>;
-using Triple = Eigen::Array3d;  ///< volume, area, base area
-
 }  // namespace vcell::check

@@ -1,4 +1,4 @@
-#include "edge_distance.hpp"
+#include "judged_edge.hpp"
 
 #include <fmt/format.h>
 
@@ -88,8 +88,7 @@ private:
                                   double size, const std::optional<Interval>& apart = std::nullopt) const {
         return within_margin(
             [&](double margin) -> std::optional<Reach> {
-                const Interval m(-margin, margin);
-                const Vector<Interval> x{box[0] + m, box[1] + m, box[2] + m};
+                const Vector<Interval> x = box_about(box, margin);
                 const Vector<Interval> g = space().gradient(edge_.conditions[0], x),
                                        h = space().gradient(edge_.conditions[1], x);
                 const Vector<Interval> difference =
@@ -151,8 +150,7 @@ private:
         const double size = sqrt(square(excess) + square(off)).upper();
         return within_margin(
             [&](double margin) -> std::optional<Reach> {
-                const Interval m(-margin, margin);
-                const Vector<Interval> x{net.box()[0] + m, net.box()[1] + m, net.box()[2] + m};
+                const Vector<Interval> x = box_about(net.box(), margin);
                 const Vector<Interval> g = space().gradient(edge_.conditions[0], x),
                                        h = space().gradient(edge_.conditions[1], x), &n = plane.normal;
                 const Interval sine = square(cross(g, n));
@@ -212,8 +210,7 @@ private:
             const Vector<Interval> p = net.corner(end, 0);
             for (const Condition& c : edge_.conditions) {
                 const Interval e = magnitude(space().excess(c, p));
-                const Interval about(-edge_.error, edge_.error);
-                const Vector<Interval> near{p[0] + about, p[1] + about, p[2] + about};
+                const Vector<Interval> near = box_about(p, edge_.error);
                 const double slope = std::min(2.0, sqrt(square(space().gradient(c, near))).upper());
                 if (!(e.lower() > (Interval(slope) * edge_.error + 2 * width).upper())) continue;
                 const bool is_nearer = space().excess(c, p).upper() < 0;

@@ -1,4 +1,4 @@
-#include "edge_rivals.hpp"
+#include "judged_edge.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "excess.hpp"
-#include "room.hpp"
 #include "tangents.hpp"
 
 namespace vcell::check {

@@ -6,8 +6,7 @@
 #include <array>
 
 #include "../pictures/trims.hpp"
-#include "edge_distance.hpp"
-#include "edge_rivals.hpp"
+#include "judged_edge.hpp"
 
 namespace vcell::check {
 namespace {

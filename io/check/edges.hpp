@@ -1,5 +1,5 @@
-/// Edges: all along a curve the excesses of its two sites are within its error of zero (edge_distance.hpp),
-/// and no third site is nearer (edge_rivals.hpp).
+/// Edges: all along a curve the excesses of its two sites are within its error of zero (edge_distance.cpp),
+/// and no third site is nearer (edge_rivals.cpp).
 #pragma once
 
 #include <vector>

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "patch_distance.hpp"
-#include "patch_rivals.hpp"
+#include "bisector_names.hpp"
+#include "judged_patch.hpp"
 #include "trim_curves.hpp"
 
 namespace vcell::check {
@@ -28,7 +28,7 @@ public:
 private:
     void check_name(std::size_t f) {
         const CellFace& face = cell_.faces[f];
-        const auto names = geometry_.bisector_names(face.site);
+        const auto names = bisector_names(scene_, face.site, geometry_.scale());
         if (std::ranges::find(names, face.bisector) == names.end())
             note(face_path(f) + ".bisector", fmt::format("is \"{}\", of the base and {} it is \"{}\"",
                                                          face.bisector, title(face.site), names[0]));

@@ -1,5 +1,5 @@
-/// Faces: a patch lies on its bisector (patch_distance.hpp), and no other site is nearer anywhere inside its
-/// trims (patch_rivals.hpp).
+/// Faces: a patch lies on its bisector (patch_distance.cpp), and no other site is nearer anywhere inside its
+/// trims (patch_rivals.cpp).
 #pragma once
 
 #include <span>

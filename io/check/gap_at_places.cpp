@@ -1,4 +1,4 @@
-#include "gap_at_places.hpp"
+#include "trim_pair.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-/// An edge under judgement: whose it is, and its curve in parts.
+/// An edge under judgement: whose it is, its curve in parts, and what is proved of that.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "check.hpp"
+#include "edges.hpp"
 #include "middle_planes.hpp"
 #include "nets.hpp"
-#include "space.hpp"
 #include "touching_spheres.hpp"
 
 namespace vcell::check {
@@ -48,5 +47,19 @@ struct JudgedEdge {
         return (std::size_t{1} << std::clamp(options.effort, 0, 40)) * std::max(parts.size(), few) / few;
     }
 };
+
+/// How well the curve follows the true arc, within the edge's error all along. None: that is refuted, or left
+/// open.
+///
+/// The excesses of two sites are a map f of space to the plane. Where the least singular value of its
+/// derivative is at least s, all within |f| / s of a point, there is a zero that close: the flow of Newton's
+/// method, x' = -J^+ f, leads there on a path no longer than that [Deuflhard04, 3.3].
+std::optional<EdgeBound> certify_on_arc(const JudgedEdge& edge, const Subject& subject,
+                                        const CheckOptions& options, Certificate& certificate);
+
+/// How far from the true boundary a site that is nearer by less than the edge's error tells leaves the curve,
+/// which is within `distance` of the arc of its own sites. None: another one is nearer, or may be.
+std::optional<double> certify_no_rivals(const JudgedEdge& edge, double distance, const Subject& subject,
+                                        const CheckOptions& options, Certificate& certificate);
 
 }  // namespace vcell::check

@@ -1,4 +1,4 @@
-#include "patch_distance.hpp"
+#include "judged_patch.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 
 #include "excess.hpp"
 #include "least_slope.hpp"
-#include "room.hpp"
 
 namespace vcell::check {
 namespace {
@@ -20,8 +19,6 @@ public:
                   Certificate& certificate)
         : Room(subject, options, certificate), judged_(judged) {}
 
-    /// How far the patch is from its bisector: by what rounding of its numbers makes of zero, or no more than
-    /// its boundary is; or, where halves are no nearer to it, by what its edges state.
     std::optional<double> follow(const std::optional<double>& boundary) {
         const Patch& patch = judged_.patch;
         if (judged_.spheres)
@@ -147,8 +144,7 @@ private:
     std::optional<double> distance(const Vector<Interval>& box, double size) const {
         return distance_where(
             [&](double margin) -> std::optional<double> {
-                const Interval m(-margin, margin);
-                const Vector<Interval> around{box[0] + m, box[1] + m, box[2] + m};
+                const Vector<Interval> around = box_about(box, margin);
                 const double slope = sqrt(square(space().gradient(judged_.own[0], around))).lower();
                 if (slope > 0 || !judged_.own[0].site.is_object()) return slope;
                 const double least = least_slope(space(), judged_.own[0].site.index, around, size);

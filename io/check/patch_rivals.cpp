@@ -1,4 +1,4 @@
-#include "patch_rivals.hpp"
+#include "judged_patch.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "room.hpp"
 #include "tangents.hpp"
 #include "turns.hpp"
 

@@ -7,8 +7,6 @@
 #include <numbers>
 #include <variant>
 
-#include "../../core/numbers/exact.hpp"
-
 namespace vcell::check {
 
 namespace {
@@ -53,18 +51,6 @@ bool within(const std::vector<Vec2>& polygon, const Vec2& q, double margin) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
         const Vec2 d = polygon[(i + 1) % polygon.size()] - polygon[i], r = q - polygon[i];
         if (d.x() * r.y() - d.y() * r.x() < margin * d.norm()) return false;
-    }
-    return true;
-}
-
-// Both ask directions as they are written, exactly.
-bool are_orthogonal(const Vec3& a, const Vec3& b) {
-    return (Exact(a.x()) * b.x() + Exact(a.y()) * b.y() + Exact(a.z()) * b.z()).sign() == Sign::Zero;
-}
-bool are_parallel(const Vec3& a, const Vec3& b) {
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        if ((Exact(a[i]) * b[j] - Exact(a[j]) * b[i]).sign() != Sign::Zero) return false;
     }
     return true;
 }
@@ -173,35 +159,9 @@ double SceneGeometry::base_area() const {
     return area;
 }
 
-double SceneGeometry::body_volume() const { return plane_ ? 0 : base_area() * radius_ / (sphere_ ? 3 : 2); }
-
-double SceneGeometry::body_end_area() const {
-    return cylinder_ ? 2 * std::numbers::pi * radius_ * radius_ : 0;
-}
-
 double SceneGeometry::shadow() const {
     constexpr double pi = std::numbers::pi;
     return plane_ ? base_area() : sphere_ ? 4 * pi : 2 * pi * (stretch_[1] - stretch_[0]);
-}
-
-double SceneGeometry::shadow(double area, double height) const {
-    const double t = std::max(radius_ + height, rounding());
-    return plane_ ? area : sphere_ ? area / (t * t) : area / t;
-}
-
-// Cones from the centre, wedges from the axis, columns from the plane.
-Triple SceneGeometry::densities(const SurfacePoint& s) const {
-    const Vec3 across = s.pu.cross(s.pv);
-    if (plane_) return {height(s.p) * normal_.dot(across), across.norm(), normal_.dot(across)};
-    const Vec3 q = from_axis(s.p);
-    const double flow = q.dot(across), square = q.squaredNorm();
-    return sphere_ ? Triple(flow / 3, across.norm(), flow / (square * std::sqrt(square)))
-                   : Triple(flow / 2, across.norm(), flow / square);
-}
-
-double SceneGeometry::side_area_density(const Vec3& p, const Vec3& dp) const {
-    if (plane_) return height(p) * (dp - normal_.dot(dp) * normal_).norm();
-    return 0.5 * std::abs(normal_.dot(from_axis(p).cross(dp)));
 }
 
 double SceneGeometry::distance_from_rim(const Site& s, const Vec3& p) const {
@@ -360,89 +320,6 @@ Site SceneGeometry::owner(const Ray& ray, double r) const {
             least = e;
         }
     return best;
-}
-
-// --- Names ---------------------------------------------------------------------------------------------
-
-std::vector<std::string> SceneGeometry::bisector_names(const Site& s) const {
-    if (!s.is_object()) return {"box"};
-    const Object& o = scene_.objects[s.index];
-    return plane_ ? names_about_plane(o) : sphere_ ? names_about_sphere(o) : names_about_cylinder(o);
-}
-
-std::vector<std::string> SceneGeometry::names_about_plane(const Object& o) const {
-    if (std::holds_alternative<Plane>(o)) return {"plane"};
-    if (std::holds_alternative<Sphere>(o)) return {"paraboloid"};
-    // The points whose distance from a line equals that from the plane shifted by the radius.
-    const Vec3 &axis = std::get<Cylinder>(o).axis, &normal = std::get<Plane>(scene_.base).normal;
-    return {are_orthogonal(axis, normal) ? "parabolic cylinder"
-            : are_parallel(axis, normal) ? "circular cone"
-                                         : "elliptic cone"};
-}
-
-std::vector<std::string> SceneGeometry::names_about_sphere(const Object& o) const {
-    if (std::holds_alternative<Plane>(o)) return {"paraboloid"};
-    if (const auto* sphere = std::get_if<Sphere>(&o))
-        return {sphere->radius == radius_ ? "plane" : "hyperboloid"};
-    if (const auto* vessel = std::get_if<HollowSphere>(&o))
-        return {vessel->center == sphere_->center ? "sphere" : "ellipsoid"};
-    if (std::holds_alternative<HollowCylinder>(o) || std::holds_alternative<HollowCone>(o))
-        return {"quartic"};
-    return {std::get<Cylinder>(o).radius == radius_ ? "parabolic cylinder" : "quartic"};
-}
-
-std::vector<std::string> SceneGeometry::names_about_cylinder(const Object& o) const {
-    if (const auto* plane = std::get_if<Plane>(&o)) {
-        const Vec3& axis = std::get<Cylinder>(scene_.base).axis;
-        std::vector<std::string> names{are_orthogonal(axis, plane->normal) ? "parabolic cylinder"
-                                       : are_parallel(axis, plane->normal) ? "circular cone"
-                                                                           : "elliptic cone"};
-        // The base's axis may have turned by its rounding.
-        const Vec3 normal = plane->normal.normalized();
-        if (std::abs(normal.dot(normal_)) <= kRounding)
-            names.insert(names.end(), {"parabolic cylinder", "elliptic cone"});
-        if (normal.cross(normal_).norm() <= kRounding)
-            names.insert(names.end(), {"circular cone", "elliptic cone"});
-        return names;
-    }
-    if (const auto* sphere = std::get_if<Sphere>(&o))
-        return {sphere->radius == radius_ ? "parabolic cylinder" : "quartic"};
-    if (std::holds_alternative<HollowSphere>(o)) return {"quartic"};
-    const Cylinder& base = std::get<Cylinder>(scene_.base);
-    // Does the base's axis run through the point?
-    const auto is_on_axis = [&](const Vec3& point) {
-        std::array<Exact, 3> way;
-        for (int i = 0; i < 3; ++i) way[static_cast<std::size_t>(i)] = Exact(point[i]) - Exact(base.point[i]);
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::size_t j = (i + 1) % 3;
-            const auto &a = base.axis[static_cast<int>(i)], &b = base.axis[static_cast<int>(j)];
-            if ((way[i] * b - way[j] * a).sign() != Sign::Zero) return false;
-        }
-        return true;
-    };
-    if (const auto* vessel = std::get_if<HollowCylinder>(&o)) {
-        std::vector<std::string> names;
-        if (normal_.cross(vessel->axis.normalized()).norm() <= kRounding)
-            names.push_back(is_on_axis(vessel->point) ? "circular cylinder" : "elliptic cylinder");
-        if (!are_parallel(base.axis, vessel->axis)) names.emplace_back("quartic");
-        return names;
-    }
-    if (const auto* cone = std::get_if<HollowCone>(&o))
-        return {are_parallel(base.axis, cone->axis) && is_on_axis(cone->apex) ? "circular cone" : "quartic"};
-    const auto& cylinder = std::get<Cylinder>(o);
-    const bool equal = cylinder.radius == radius_;
-    const Vec3 turn = normal_.cross(cylinder.axis.normalized());
-    std::vector<std::string> names;
-    if (turn.norm() <= kRounding) names.push_back(equal ? "plane" : "hyperbolic cylinder");
-    if (are_parallel(std::get<Cylinder>(scene_.base).axis, cylinder.axis)) return names;
-    if (!equal) {
-        names.push_back("quartic");
-        return names;
-    }
-    names.push_back("hyperbolic paraboloid");
-    if (std::abs(turn.normalized().dot(cylinder.point - origin_)) <= kRounding * scale_)
-        names.push_back("plane");  // one of a pair on each side
-    return names;
 }
 
 }  // namespace vcell::check

@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "../../primitives/objects/scene.hpp"
@@ -53,20 +52,9 @@ public:
     std::optional<Ray> random_ray(std::mt19937_64& rng, double margin) const;
 
     double base_area() const;
-    double body_volume() const;
-    /// Of a cylinder's two ends.
-    double body_end_area() const;
-    /// What the third density adds up to: the base region's area, of spheres and cylinders at radius 1.
+    /// What the faces' shadows on the base add up to: the base region's area, of spheres and cylinders at
+    /// radius 1.
     double shadow() const;
-    /// The shadow of an area of the cell's boundary at that height, at most.
-    double shadow(double area, double height) const;
-    /// Per du dv: the volume below the patch (the body's share included), the patch's area, and that of its
-    /// shadow on the base, of spheres and cylinders at radius 1; volume and shadow are negative where it
-    /// faces the base.
-    Triple densities(const SurfacePoint& s) const;
-    /// Integrated along a rim's curve, per dt: the area of the cell's side there (a plane's wall, a
-    /// cylinder's end from the axis on).
-    double side_area_density(const Vec3& p, const Vec3& dp) const;
     /// How far the base point below p is from the part of the rim that a site names; infinite if it names
     /// none.
     double distance_from_rim(const Site& s, const Vec3& p) const;
@@ -112,10 +100,6 @@ public:
     /// Who bounds the cell at clearance r.
     Site owner(const Ray& ray, double r) const;
 
-    /// What the bisector of base and site may be called: several names where only exact arithmetic could
-    /// tell.
-    std::vector<std::string> bisector_names(const Site& s) const;
-
 private:
     double inside_side(std::uint32_t side, const Vec3& p) const;
     double inside_end(std::uint32_t end, const Vec3& p) const;
@@ -123,9 +107,6 @@ private:
     void find_region();
     void find_stretch();
     double speed(std::uint32_t side, const Vec3& direction) const;
-    std::vector<std::string> names_about_plane(const Object& o) const;
-    std::vector<std::string> names_about_sphere(const Object& o) const;
-    std::vector<std::string> names_about_cylinder(const Object& o) const;
     bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const;
 
     const Scene& scene_;

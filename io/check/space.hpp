@@ -84,6 +84,11 @@ inline Vec3 middle(const Vector<Interval>& v) { return {v[0].mid(), v[1].mid(), 
 inline Vector<Interval> box_about(const Vec3& p, double r) {
     return {Interval::ball(p[0], r), Interval::ball(p[1], r), Interval::ball(p[2], r)};
 }
+/// The box about another one.
+inline Vector<Interval> box_about(const Vector<Interval>& box, double r) {
+    const Interval m(-r, r);
+    return {box[0] + m, box[1] + m, box[2] + m};
+}
 /// Upper bound of the distance of a point of the box from its middle.
 inline double radius(const Vector<Interval>& v) {
     const double x = v[0].radius(), y = v[1].radius(), z = v[2].radius();

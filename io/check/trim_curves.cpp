@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "../pictures/trims.hpp"
-#include "gap_at_places.hpp"
+#include "trim_pair.hpp"
 
 namespace vcell::check {
 namespace {

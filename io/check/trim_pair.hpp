@@ -27,4 +27,9 @@ struct NetOver {
 /// Relative: of n operations, one after the other.
 constexpr double rounding_of(int n) { return n * 0x1p-53; }
 
+/// Bounds |S(c(t)) - C(t)| by its values at as many places as it has coefficients, or about twice as
+/// many. Infinite where the curve runs far beside the patch, degrees are none of the usual ones, or so
+/// low that many places tell no more.
+double gap_at_places(const NetOver& over, const TrimPair& pair, bool are_many);
+
 }  // namespace vcell::check

@@ -24,7 +24,6 @@ larger = {
     "envelope/diagram: Patchwork",
     "envelope/lift: RadialPatch",
     "envelope/proofs: MixedAnalysis",
-    "io/check: SceneGeometry",
     "io/check: TouchingSpheres",
 }
 
