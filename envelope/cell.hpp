@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,11 @@ struct CellFace {
     double area = not_measured, area_error = not_measured;
     std::vector<TrimmedPatch> patches;
     bool is_estimated = false;  ///< area_error, otherwise a proven bound
+
+    /// Of all loops of all patches.
+    auto trims() const {
+        return patches | std::views::transform(&TrimmedPatch::loops) | std::views::join | std::views::join;
+    }
 };
 
 /// All not_measured, and touches_box false, where measures were not asked for. Each `..._error` bounds the

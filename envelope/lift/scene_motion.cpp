@@ -220,10 +220,8 @@ private:
         if (std::holds_alternative<Plane>(cell_.scene.base)) {
             std::vector<int> trims(cell_.edges.size(), 0);
             for (const CellFace& face : cell_.faces)
-                for (const TrimmedPatch& patch : face.patches)
-                    for (const auto& loop : patch.loops)
-                        for (const TrimCurve& trim : loop)
-                            if (trim.edge) ++trims[*trim.edge];
+                for (const TrimCurve& trim : face.trims())
+                    if (trim.edge) ++trims[*trim.edge];
             for (std::size_t i = 0; i < trims.size(); ++i) is_rim_[i] = trims[i] == 1;
         }
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {

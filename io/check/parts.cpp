@@ -58,10 +58,8 @@ private:
         };
         for (std::uint32_t k = 0; k < result_.parts.size(); ++k)
             for (const std::uint32_t f : result_.parts[k].faces)
-                for (const TrimmedPatch& patch : cell_.faces[f].patches)
-                    for (const auto& loop : patch.loops)
-                        for (const TrimCurve& trim : loop)
-                            if (trim.edge) take(edges[*trim.edge], k, edge_path(*trim.edge));
+                for (const TrimCurve& trim : cell_.faces[f].trims())
+                    if (trim.edge) take(edges[*trim.edge], k, edge_path(*trim.edge));
         for (std::uint32_t e = 0; e < edges.size(); ++e) {
             if (edges[e] == nobody) edges[e] = 0;
             result_.parts[edges[e]].edges.push_back(e);

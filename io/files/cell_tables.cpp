@@ -34,10 +34,8 @@ std::string joined(const Sites& sites, Text text) {
 std::vector<int> faces_at_edges(const Cell& cell) {
     std::vector<int> count(cell.edges.size(), 0);
     for (const CellFace& face : cell.faces)
-        for (const TrimmedPatch& patch : face.patches)
-            for (const auto& loop : patch.loops)
-                for (const TrimCurve& trim : loop)
-                    if (trim.edge) ++count[*trim.edge];
+        for (const TrimCurve& trim : face.trims())
+            if (trim.edge) ++count[*trim.edge];
     return count;
 }
 

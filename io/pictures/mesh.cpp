@@ -38,10 +38,8 @@ Chords chords_of(const Shell& shell, double most, double of_own) {
     }
     for (std::size_t f = 0; f < shell.faces.size(); ++f) {
         Eigen::AlignedBox3d box;
-        for (const TrimmedPatch& patch : shell.faces[f].patches)
-            for (const auto& loop : patch.loops)
-                for (const TrimCurve& c : loop)
-                    if (c.edge) box.extend(boxes[*c.edge]);
+        for (const TrimCurve& c : shell.faces[f].trims())
+            if (c.edge) box.extend(boxes[*c.edge]);
         if (!box.isEmpty()) chords.of_faces[f] = std::min(most, of_own * box.diagonal().norm());
     }
     return chords;

@@ -223,16 +223,14 @@ protected:
     std::optional<std::vector<BorderLine>> border(std::size_t f) const {
         std::vector<BorderLine> result;
         for (const std::uint32_t face : whole_.faces[f])
-            for (const TrimmedPatch& patch : cell_.faces[face].patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop) {
-                        if (!c.edge || !whole_.whole_of(*c.edge)) continue;
-                        const WholeEdge::Piece& whole = *whole_.whole_of(*c.edge);
-                        const auto& line = lines_[whole.edge];
-                        if (!line) return std::nullopt;
-                        result.push_back(
-                            {line->id, line->image, (line->is_reversed != c.reversed) != whole.reversed});
-                    }
+            for (const TrimCurve& c : cell_.faces[face].trims()) {
+                if (!c.edge || !whole_.whole_of(*c.edge)) continue;
+                const WholeEdge::Piece& whole = *whole_.whole_of(*c.edge);
+                const auto& line = lines_[whole.edge];
+                if (!line) return std::nullopt;
+                result.push_back(
+                    {line->id, line->image, (line->is_reversed != c.reversed) != whole.reversed});
+            }
         std::ranges::sort(result);
         result.erase(std::ranges::unique(result).begin(), result.end());
         return result;

@@ -129,10 +129,8 @@ private:
         for (const CellFace& face : cell_.faces) {
             if (!is_tube(face.site)) continue;
             if (!frame) frame = plane_base_problem(cell_.scene).frame;
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop)
-                        if (c.edge) projected_[&c] = projection(c, cell_.edges[*c.edge].curve, *frame);
+            for (const TrimCurve& c : face.trims())
+                if (c.edge) projected_[&c] = projection(c, cell_.edges[*c.edge].curve, *frame);
         }
     }
 
@@ -189,10 +187,8 @@ private:
     template <class F>
     void for_each_curve(F f) const {
         for (const CellFace& face : cell_.faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop)
-                        if (!is_entered(cell_, face)) f(in_chart(c));
+            for (const TrimCurve& c : face.trims())
+                if (!is_entered(cell_, face)) f(in_chart(c));
     }
 
     std::array<Vec2, 2> bounds() const {

@@ -12,10 +12,8 @@ namespace {
 
 template <class Visit>
 void for_each_edge_of(const CellFace& face, Visit&& visit) {
-    for (const TrimmedPatch& patch : face.patches)
-        for (const auto& loop : patch.loops)
-            for (const TrimCurve& c : loop)
-                if (c.edge) visit(*c.edge);
+    for (const TrimCurve& c : face.trims())
+        if (c.edge) visit(*c.edge);
 }
 
 }  // namespace

@@ -366,10 +366,8 @@ private:
         std::vector<bool> has_joint(cell().vertices.size(), false);
         std::vector<bool> is_used(cell().edges.size(), false);
         for (const CellFace& face : cell().faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop)
-                        if (c.edge) is_used[*c.edge] = true;
+            for (const TrimCurve& c : face.trims())
+                if (c.edge) is_used[*c.edge] = true;
         for (std::uint32_t e = 0; e < is_used.size(); ++e)
             for (const std::uint32_t v : edge(e).vertices)
                 if (joined_.is_joint[e])

@@ -69,10 +69,8 @@ private:
     std::vector<Loop> rims() const {
         std::vector<std::array<bool, 2>> used(cell_.edges.size(), {false, false});
         for (const CellFace& face : cell_.faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop)
-                        if (c.edge) used[*c.edge][c.reversed ? 1 : 0] = true;
+            for (const TrimCurve& c : face.trims())
+                if (c.edge) used[*c.edge][c.reversed ? 1 : 0] = true;
         std::vector<Loop> rims;
         std::vector<Use> on_rim;
         std::unordered_map<std::uint32_t, Use> by_start;

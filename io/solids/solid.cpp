@@ -160,15 +160,12 @@ private:
             cuts_[e].at = {curve.domain_begin(), curve.domain_end()};
         }
         for (const CellFace& face : shell_.faces)
-            for (const TrimmedPatch& patch : face.patches)
-                for (const auto& loop : patch.loops)
-                    for (const TrimCurve& c : loop)
-                        if (c.edge) {
-                            is_used_[*c.edge] = true;
-                            for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
-                                cuts_[*c.edge].at.push_back(
-                                    edge_parameter(c, shell_.edges[*c.edge].curve, t));
-                        }
+            for (const TrimCurve& c : face.trims())
+                if (c.edge) {
+                    is_used_[*c.edge] = true;
+                    for (const double t : {c.curve.domain_begin(), c.curve.domain_end()})
+                        cuts_[*c.edge].at.push_back(edge_parameter(c, shell_.edges[*c.edge].curve, t));
+                }
         for (std::size_t e = 0; e < cuts_.size(); ++e) {
             const RationalCurve3& curve = shell_.edges[e].curve;
             std::vector<double>& at = cuts_[e].at;
