@@ -233,10 +233,9 @@ static bool attempt_all(const FormFamily& family, const EnvelopeOptions& options
 }
 
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
-                                                          const EnvelopeOptions& options,
-                                                          const TakeMoreForms& more) {
+                                                          const EnvelopeOptions& options) {
     std::optional<MinimizationDiagram> result;
-    attempt_all(family, options, more, {}, [&](DiscDiagram& diagram, std::size_t attempt) {
+    attempt_all(family, options, {}, {}, [&](DiscDiagram& diagram, std::size_t attempt) {
         result = diagram.run(attempt);
         return result.has_value();
     });

@@ -25,7 +25,7 @@ namespace vcell {
 ///
 /// A form c that is above the diagram at its vertices, and where tangents to a short arc of an edge meet, is
 /// above it all along the edges. Where a face lies in a hemisphere, and the face's own form grows towards the
-/// other one, it is above in the face, too, if it grows less that way (disc_insertion.hpp).
+/// other one, it is above in the face, too, if it grows less that way (disc_comparison.hpp).
 struct SphereMarks {
     struct Mark {
         Eigen::Vector3d p;
@@ -49,13 +49,8 @@ using TakeMoreForms = std::function<MoreForms(const std::function<SphereMarks()>
 /// edge, for which there are exact numbers: any number of forms may tie there. Otherwise nothing, for the
 /// general engine to decide. Expected time O(n log n) when forms of about the same height are spread over the
 /// sphere. Pre: as lower_envelope_on_sphere(); family.is_all_circular().
-///
-/// `more` is asked until there are no more forms, again in each attempt at another order, until it gives up:
-/// then nothing comes of it. The form that is lowest at the pole is to be so by a margin among all of them,
-/// or nothing comes of it either.
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
-                                                          const EnvelopeOptions& options,
-                                                          const TakeMoreForms& more = {});
+                                                          const EnvelopeOptions& options);
 
 /// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
 /// Exact; none: exact coefficients are to be asked for.
@@ -64,6 +59,10 @@ using TieSign =
 
 /// Finds the envelope of disc_diagram_on_sphere() as it lies on the sphere, in the coordinates of b above:
 /// measures take no more. False where that function has none.
+///
+/// `more` is asked until there are no more forms, again in each attempt at another order, until it gives up:
+/// then nothing comes of it. The form that is lowest at the pole is to be so by a margin among all of them,
+/// or nothing comes of it either.
 bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TieSign& tie_sign,
                          DiscArcs& arcs);
 

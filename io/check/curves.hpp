@@ -66,42 +66,50 @@ bool is_bezier(const RationalCurve<Dim>& c, int k) {
 }
 
 /// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom
-/// at (a, ..., a, b, ..., b) with j times b.
-template <int Dim>
-std::vector<Bezier<Dim>> pieces(const RationalCurve<Dim>& c) {
-    using Homogeneous = typename Bezier<Dim>::Homogeneous;
+/// at (a, ..., a, b, ..., b) with j times b. control(i): the curve's i-th control point in the piece's
+/// numbers; blend(p, q, t, from, to): between p at `from` and q at `to`.
+template <class Piece, int Dim, class Control, class Blend>
+std::vector<Piece> pieces_of(const RationalCurve<Dim>& c, const Control& control, const Blend& blend) {
     const int d = c.degree;
-    std::vector<Bezier<Dim>> result;
+    std::vector<Piece> result;
     for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
         const double a = c.knots[k], b = c.knots[k + 1];
         if (!(a < b)) continue;
-        Bezier<Dim> piece{a, b, {}};
-        const auto homogeneous = [&](int i) {
-            Homogeneous h = c.points[i];
-            h.template head<Dim>() *= h[Dim];
-            return h;
-        };
-        if (is_bezier(c, k)) {
-            for (int j = 0; j <= d; ++j) piece.points.push_back(homogeneous(k - d + j));
-            result.push_back(std::move(piece));
-            continue;
-        }
+        Piece piece{a, b, {}};
         for (int j = 0; j <= d; ++j) {
-            std::vector<Homogeneous> level;
-            for (int i = k - d; i <= k; ++i) level.push_back(homogeneous(i));
-            for (int r = 1; r <= d; ++r) {
-                const double t = r <= j ? b : a;
+            if (is_bezier(c, k)) {
+                piece.points.push_back(control(k - d + j));
+                continue;
+            }
+            decltype(piece.points) level;
+            for (int i = k - d; i <= k; ++i) level.push_back(control(i));
+            for (int r = 1; r <= d; ++r)
                 for (int i = d; i >= r; --i) {
                     const int knot = k - d + i;
-                    const double s = (t - c.knots[knot]) / (c.knots[knot + d - r + 1] - c.knots[knot]);
-                    level[i] = (1 - s) * level[i - 1] + s * level[i];
+                    level[i] = blend(level[i - 1], level[i], r <= j ? b : a, c.knots[knot],
+                                     c.knots[knot + d - r + 1]);
                 }
-            }
             piece.points.push_back(level[d]);
         }
         result.push_back(std::move(piece));
     }
     return result;
+}
+
+template <int Dim>
+std::vector<Bezier<Dim>> pieces(const RationalCurve<Dim>& c) {
+    using Homogeneous = typename Bezier<Dim>::Homogeneous;
+    return pieces_of<Bezier<Dim>>(
+        c,
+        [&](int i) {
+            Homogeneous h = c.points[i];
+            h.template head<Dim>() *= h[Dim];
+            return h;
+        },
+        [](const Homogeneous& p, const Homogeneous& q, double t, double from, double to) {
+            const double s = (t - from) / (to - from);
+            return Homogeneous((1 - s) * p + s * q);
+        });
 }
 
 template <int Dim>

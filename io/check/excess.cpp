@@ -13,6 +13,13 @@ Interval intersection(const Interval& a, const Interval& b) {
     return lo <= hi ? Interval(lo, hi) : a;
 }
 
+/// linear - twice, where the product of that and of linear + twice is known, too.
+template <class Product>
+Interval sharpened(const Interval& linear, const Interval& twice, const Product& product) {
+    const Interval difference = linear - twice, sum = linear + twice;
+    return sum.contains(0) ? difference : intersection(difference, product() / sum);
+}
+
 /// a b + s w.
 Form inner(const Vector<Interval>& a, const Vector<Form>& b, const MidRad& s, const Form& w) {
     return Form::combination<4>({{{a[0], &b[0]}, {a[1], &b[1]}, {a[2], &b[2]}, {s, &w}}});
@@ -166,11 +173,9 @@ Interval ExcessAlong::in_vessel(const Surface& object) const {
     const Form w2 = square(weight_);
     const Form l = a - base_ - square(d) * w2;
     const Interval linear = l.range() / square(w_), twice = 2 * (d * q);
-    Interval difference = linear + twice;
-    const Interval with = linear - twice;
-    if (!with.contains(0))
-        difference = intersection(
-            difference, (square(l) - (4 * square(d)) * (base_ * w2)).range() / square(square(w_)) / with);
+    const Interval difference = sharpened(linear, -twice, [&] {
+        return (square(l) - (4 * square(d)) * (base_ * w2)).range() / square(square(w_));
+    });
     return intersection(-difference / sum, plain);
 }
 
@@ -190,11 +195,8 @@ Interval ExcessAlong::in_cone(const Surface& object) const {
     if (!(sum.lower() > 0)) return plain;
     const Form l2 = square(l), g = l2 + base_ - square(object.cosine) * a;
     const Interval linear = g.range() / square(w_), twice = 2 * (height * q);
-    Interval difference = linear - twice;
-    const Interval with = linear + twice;
-    if (!with.contains(0))
-        difference = intersection(
-            difference, (square(g) - MidRad(4.0) * (l2 * base_)).range() / square(square(w_)) / with);
+    const Interval difference = sharpened(
+        linear, twice, [&] { return (square(g) - MidRad(4.0) * (l2 * base_)).range() / square(square(w_)); });
     return intersection(difference / sum, plain);
 }
 
@@ -260,11 +262,9 @@ Interval ExcessAlong::of_round(const Surface& object) const {
     const Form w2 = square(weight_);
     const Form l = a - base_ - square(d) * w2;
     const Interval linear = l.range() / square(w_), twice = 2 * (d * q);
-    Interval difference = linear - twice;
-    const Interval with = linear + twice;
-    if (!with.contains(0))
-        difference = intersection(
-            difference, (square(l) - (4 * square(d)) * (base_ * w2)).range() / square(square(w_)) / with);
+    const Interval difference = sharpened(linear, twice, [&] {
+        return (square(l) - (4 * square(d)) * (base_ * w2)).range() / square(square(w_));
+    });
     return intersection(difference / sum, plain);
 }
 

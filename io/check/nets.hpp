@@ -68,41 +68,15 @@ std::optional<BezierPiece<Dim>> only_span(const RationalCurve<Dim>& c,
     return span;
 }
 
-/// The pieces of a curve between its distinct knots: control point j of the piece on [a, b] is the blossom at
-/// (a, ..., a, b, ..., b) with j times b.
 template <int Dim>
 std::vector<BezierPiece<Dim>> spans(const RationalCurve<Dim>& c,
                                     const Eigen::Matrix<double, Dim, 1>& origin) {
     using Point = typename BezierPiece<Dim>::Point;
-    const int d = c.degree;
-    const auto homogeneous = [&](int i) {
-        return check::homogeneous(c, static_cast<std::size_t>(i), origin);
-    };
-    std::vector<BezierPiece<Dim>> result;
-    for (int k = d; k + d + 1 < static_cast<int>(c.knots.size()); ++k) {
-        const double a = c.knots[k], b = c.knots[k + 1];
-        if (!(a < b)) continue;
-        BezierPiece<Dim> span{a, b, {}};
-        for (int j = 0; j <= d; ++j) {
-            if (is_bezier(c, k)) {
-                span.points.push_back(homogeneous(k - d + j));
-                continue;
-            }
-            SmallVector<Point, 8> level;
-            for (int i = k - d; i <= k; ++i) level.push_back(homogeneous(i));
-            for (int r = 1; r <= d; ++r) {
-                const double t = r <= j ? b : a;
-                for (int i = d; i >= r; --i) {
-                    const int knot = k - d + i;
-                    const MidRad s = place_between(t, c.knots[knot], c.knots[knot + d - r + 1]);
-                    level[i] = blend(level[i - 1], level[i], s);
-                }
-            }
-            span.points.push_back(level[d]);
-        }
-        result.push_back(std::move(span));
-    }
-    return result;
+    return pieces_of<BezierPiece<Dim>>(
+        c, [&](int i) { return homogeneous(c, static_cast<std::size_t>(i), origin); },
+        [](const Point& p, const Point& q, double t, double from, double to) {
+            return blend(p, q, place_between(t, from, to));
+        });
 }
 
 /// The part of a span over [begin, end] of its domain.

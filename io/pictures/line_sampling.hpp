@@ -84,9 +84,11 @@ public:
         for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
         return std::move(points_);
     }
+    /// A shell's edge as a polyline of these points.
     const std::vector<std::uint32_t>& points_along(std::size_t edge) const {
         return is_known(edge) ? known_.lines[edge] : sampled_[edge].points;
     }
+    /// The patch's loops, as far as they enclose anything.
     std::vector<std::vector<LoopPoint>> polygons(const TrimmedPatch& patch) const {
         std::vector<std::vector<LoopPoint>> result;
         for (const auto& loop : patch.loops) {
@@ -143,19 +145,14 @@ private:
     }
     // The line's parameter at t of a trimming curve along it, and the other way round. Along a seam the two
     // run against each other, whatever their domains.
-    double line_parameter(const TrimCurve& c, double t) const {
+    double line_parameter(const TrimCurve& c, double t) const { return carried_over(c, t, true); }
+    double trim_parameter(const TrimCurve& c, double t) const { return carried_over(c, t, false); }
+    double carried_over(const TrimCurve& c, double t, bool to_line) const {
         if (c.is_tip()) return t;
-        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
+        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);  // its own inverse
         const TrimCurve& first = *seam_leader(c);
         if (&first == &c) return t;
-        return mirrored(c.curve, first.curve, t);
-    }
-    double trim_parameter(const TrimCurve& c, double t) const {
-        if (c.is_tip()) return t;
-        if (c.edge) return edge_parameter(c, shell_.edges[*c.edge].curve, t);
-        const TrimCurve& first = *seam_leader(c);
-        if (&first == &c) return t;
-        return mirrored(first.curve, c.curve, t);
+        return to_line ? mirrored(c.curve, first.curve, t) : mirrored(first.curve, c.curve, t);
     }
     const TrimCurve* seam_leader(const TrimCurve& c) const {
         const Line& line = lines_[seams_.at(*c.seam)];

@@ -295,6 +295,12 @@ TEST_CASE("cylinders: what lies in a cylinder or beyond a wall is left out") {
         std::vector<std::string>{"object 1 beyond object 0, object 2 beyond object 0, object 3 beyond object "
                                  "0: hidden, never nearest to any point of the cell"});
     CHECK(problem.family.cylinders.size() == 2);
+    // A ball in a cylinder that is left out itself.
+    problem = problem_of(
+        {Plane{{0, 0, 1.5}, {0, 0.75, 1}}, Cylinder{{0, 3, 5}, {1, 0, 0}, 1}, Sphere{{0, 3, 5}, 0.5}});
+    CHECK(problem.warnings ==
+          std::vector<std::string>{"object 1 beyond object 0, object 2 in object 1: hidden, never nearest to "
+                                   "any point of the cell"});
     problem = problem_of({Cylinder{{0, 0, 5}, {1, 0, 0}, 1}, Cylinder{{0, 0, 5}, {1, 0, 0}, above(1)}});
     CHECK(problem.warnings ==
           std::vector<std::string>{
