@@ -43,8 +43,8 @@ inline Linear linear(const CircularForm& f) {
 
 class DiscGeometry : protected DiscMesh {
 protected:
-    explicit DiscGeometry(const FormFamily& family, const TieSign& tie_sign = {})
-        : family_(family), tie_sign_(tie_sign) {}
+    explicit DiscGeometry(const FormFamily& family, const TiePredicates& ties = {})
+        : family_(family), predicates_(ties) {}
 
     void set_curve(Index e) {
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
@@ -293,10 +293,10 @@ protected:
     std::optional<Sign> exact_sign(const Vertex& v, Index challenger) {
         if (std::max(challenger, std::ranges::max(v.forms)) >= family_.size()) return std::nullopt;
         is_point_asked_ = false;
-        if (tie_sign_ && std::abs(v.height) > v.doubt) {
-            const auto sign =
-                tie_sign_(FormId{challenger}, {FormId{v.forms[0]}, FormId{v.forms[1]}, FormId{v.forms[2]}},
-                          sign_of(v.height));
+        if (predicates_.sign && std::abs(v.height) > v.doubt) {
+            const auto sign = predicates_.sign(FormId{challenger},
+                                               {FormId{v.forms[0]}, FormId{v.forms[1]}, FormId{v.forms[2]}},
+                                               sign_of(v.height));
             if (sign) {
                 ++decisions_.by_exact;
                 return sign;
@@ -342,6 +342,11 @@ protected:
     // Do f and g tie where f and h do? None where there are no exact numbers.
     std::optional<bool> are_on_one_circle(Index f, Index g, Index h) {
         if (std::max({f, g, h}) >= family_.size()) return std::nullopt;
+        if (predicates_.along)
+            if (const auto along = predicates_.along({FormId{f}, FormId{g}, FormId{h}})) {
+                ++decisions_.by_exact;
+                return along;
+            }
         const FormId a = in_kernel(f), b = in_kernel(g), c = in_kernel(h);
         return kernel_.same_curve({a, b}, {a, c});
     }
@@ -354,11 +359,11 @@ protected:
     }
 
     const FormFamily& family_;
-    const TieSign tie_sign_;     // none: exact coefficients are asked for
-    double steepest_ = 0;        // slope of forms
-    std::vector<Linear> forms_;  // the family's, and some that are higher in the end
-    bool has_points_ = false;    // among the edges
-    std::vector<Ties> ties_;     // the lists of vertices and edges
+    const TiePredicates predicates_;  // none: exact coefficients are asked for
+    double steepest_ = 0;             // slope of forms
+    std::vector<Linear> forms_;       // the family's, and some that are higher in the end
+    bool has_points_ = false;         // among the edges
+    std::vector<Ties> ties_;          // the lists of vertices and edges
     Decisions decisions_;
     CircleKernel kernel_;            // decides what doubles cannot
     std::vector<FormId> in_kernel_;  // none: not there yet

@@ -22,8 +22,8 @@ using namespace discs;
 class DiscDiagram : DiscResult {
 public:
     DiscDiagram(const FormFamily& family, const EnvelopeOptions& options, const TakeMoreForms& more,
-                const TieSign& tie_sign)
-        : DiscResult(family, tie_sign), options_(options), more_(more) {}
+                const TiePredicates& ties)
+        : DiscResult(family, ties), options_(options), more_(more) {}
 
     std::optional<MinimizationDiagram> run(std::size_t attempt) {
         const auto owner = insert_all(attempt);
@@ -221,11 +221,11 @@ private:
 // What fails in the beginning, when faces are large, may succeed in another order. The more forms there are,
 // the less it costs to try again, compared with the other engine.
 static bool attempt_all(const FormFamily& family, const EnvelopeOptions& options, const TakeMoreForms& more,
-                        const TieSign& tie_sign, const auto& run) {
+                        const TiePredicates& ties, const auto& run) {
     constexpr std::size_t beginning = 64, many = 1024;
     const std::size_t attempts = family.size() > many ? 16 : 4;
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
-        DiscDiagram diagram(family, options, more, tie_sign);
+        DiscDiagram diagram(family, options, more, ties);
         if (run(diagram, attempt)) return true;
         if (diagram.inserted() > beginning || diagram.is_given_up()) break;
     }
@@ -242,9 +242,9 @@ std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& fami
     return result;
 }
 
-bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TieSign& tie_sign,
+bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TiePredicates& ties,
                          DiscArcs& arcs) {
-    return attempt_all(family, {}, more, tie_sign,
+    return attempt_all(family, {}, more, ties,
                        [&](DiscDiagram& diagram, std::size_t attempt) { return diagram.run(attempt, arcs); });
 }
 

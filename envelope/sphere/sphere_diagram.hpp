@@ -52,10 +52,14 @@ using TakeMoreForms = std::function<MoreForms(const std::function<SphereMarks()>
 std::optional<MinimizationDiagram> disc_diagram_on_sphere(const FormFamily& family,
                                                           const EnvelopeOptions& options);
 
-/// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
-/// Exact; none: exact coefficients are to be asked for.
-using TieSign =
-    std::function<std::optional<Sign>(FormId form, const std::array<FormId, 3>& tied, Sign value)>;
+/// What is known of the forms beside their exact coefficients: exact, too, and sooner told. None: those are
+/// to be asked for.
+struct TiePredicates {
+    /// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
+    std::function<std::optional<Sign>(FormId form, const std::array<FormId, 3>& tied, Sign value)> sign;
+    /// Do three forms tie all along a circle?
+    std::function<std::optional<bool>(const std::array<FormId, 3>& forms)> along;
+};
 
 /// Finds the envelope of disc_diagram_on_sphere() as it lies on the sphere, in the coordinates of b above:
 /// measures take no more. False where that function has none.
@@ -63,7 +67,7 @@ using TieSign =
 /// `more` is asked until there are no more forms, again in each attempt at another order, until it gives up:
 /// then nothing comes of it. The form that is lowest at the pole is to be so by a margin among all of them,
 /// or nothing comes of it either.
-bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TieSign& tie_sign,
+bool disc_arcs_on_sphere(const FormFamily& family, const TakeMoreForms& more, const TiePredicates& ties,
                          DiscArcs& arcs);
 
 }  // namespace vcell

@@ -101,9 +101,10 @@ public:
         DiscArcs arcs;
         if (!disc_arcs_on_sphere(
                 problem.family, [this](const auto& marks) { return more(marks); },
-                [this](FormId form, const auto& tied, Sign value) {
-                    return problem_->tie_sign(form, tied, value);
-                },
+                {[this](FormId form, const auto& tied, Sign value) {
+                     return problem_->tie_sign(form, tied, value);
+                 },
+                 [this](const auto& forms) { return problem_->tie_along(forms); }},
                 arcs))
             return std::nullopt;
         return measured(arcs, is_sharing);

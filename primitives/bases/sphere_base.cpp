@@ -77,6 +77,13 @@ struct FormSources {
     // D = n1.(n2 x n3), is exact: coordinates are at most 2^24, so |n| < 2^24.8, w < 2^49.6, and each of the
     // four terms is less than 2^124.
     std::optional<Sign> tie_sign(FormId form, const std::array<FormId, 3>& tied, Sign value) const;
+    // GrowingSphereProblem::tie_along(). Such forms tie where (n1 / w1 - n2 / w2).u = 0: all three do where
+    // the points n / w lie on one line,
+    //
+    //     w1 (n2 x n3) + w2 (n3 x n1) + w3 (n1 x n2) = 0,
+    //
+    // of which each term is less than 2^99.
+    std::optional<bool> tie_along(const std::array<FormId, 3>& forms) const;
 
 private:
     struct FlatBisector {
@@ -134,8 +141,23 @@ std::optional<Sign> FormSources::tie_sign(FormId form, const std::array<FormId, 
         d->w * volume - a->w * triple(*d, *b, *c) - b->w * triple(*d, *c, *a) - c->w * triple(*d, *a, *b);
     return sign_of(beyond) * sign_of(volume) * -value;
 }
+
+std::optional<bool> FormSources::tie_along(const std::array<FormId, 3>& forms) const {
+    const auto a = flat_bisector(forms[0]), b = a ? flat_bisector(forms[1]) : std::nullopt,
+               c = b ? flat_bisector(forms[2]) : std::nullopt;
+    if (!c) return std::nullopt;
+    const auto is_zero = [&](auto x, auto y) {
+        const auto minor = [&](const FlatBisector& p, const FlatBisector& q) {
+            return static_cast<WideInteger>(p.*x) * (q.*y) - static_cast<WideInteger>(p.*y) * (q.*x);
+        };
+        return a->w * minor(*b, *c) + b->w * minor(*c, *a) + c->w * minor(*a, *b) == 0;
+    };
+    return is_zero(&FlatBisector::y, &FlatBisector::z) && is_zero(&FlatBisector::z, &FlatBisector::x) &&
+           is_zero(&FlatBisector::x, &FlatBisector::y);
+}
 #else
 std::optional<FormSources::FlatBisector> FormSources::flat_bisector(FormId) const { return std::nullopt; }
+std::optional<bool> FormSources::tie_along(const std::array<FormId, 3>&) const { return std::nullopt; }
 std::optional<Sign> FormSources::tie_sign(FormId, const std::array<FormId, 3>&, Sign) const {
     return std::nullopt;
 }
@@ -256,6 +278,8 @@ private:
                 Vec3 beside = c;
                 beside[side.axis] = frame_.center[side.axis];
                 if (beside != frame_.center) continue;
+                // A sum that is a double is not rounded.
+                if (c[side.axis] + frame_.center[side.axis] != 2 * side.bound) continue;
                 if (Exact(c[side.axis]) + frame_.center[side.axis] == 2.0 * Exact(side.bound))
                     side_twin_[s] = objects_.balls.objects[i];
             }
@@ -459,6 +483,10 @@ GrowingSphereProblem::GrowingSphereProblem(const Scene& scene, double unit) {
 std::optional<Sign> GrowingSphereProblem::tie_sign(FormId form, const std::array<FormId, 3>& tied,
                                                    Sign value) const {
     return growth_->sources->tie_sign(form, tied, value);
+}
+
+std::optional<bool> GrowingSphereProblem::tie_along(const std::array<FormId, 3>& forms) const {
+    return growth_->sources->tie_along(forms);
 }
 
 bool GrowingSphereProblem::add(const Sphere& sphere, Site site) {

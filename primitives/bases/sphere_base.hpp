@@ -26,6 +26,8 @@ public:
     /// The sign of a form less three others in a point in which these tie, at values of that sign, not Zero.
     /// Exact; none where numbers of a fixed width are not enough for it.
     std::optional<Sign> tie_sign(FormId form, const std::array<FormId, 3>& tied, Sign value) const;
+    /// Do three forms tie all along a circle? Exact; none likewise. Pre: no two of them are equal.
+    std::optional<bool> tie_along(const std::array<FormId, 3>& forms) const;
 
 private:
     struct Growth;

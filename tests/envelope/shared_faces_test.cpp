@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -229,6 +230,48 @@ TEST_CASE("tie_sign: agrees with whole numbers about points that are equally far
                      Sphere{{1, 1, 1}, 0.25}};
     CHECK(!GrowingSphereProblem(scene, 1).tie_sign(FormId{3}, {FormId{0}, FormId{1}, FormId{2}},
                                                    Sign::Negative));
+}
+
+TEST_CASE("tie_along: three balls are equally far along a line where they lie on a circle with the base") {
+    using Rational = boost::multiprecision::cpp_rational;
+    std::mt19937_64 rng(test_seed() + 3);
+    int circles = 0, told = 0;
+    for (int round = 0; round < 2000; ++round) {
+        // Corners of a cube whose origin is the base's centre lie on circles through it four at a time.
+        std::array<std::array<int, 3>, 3> n;
+        for (auto& p : n)
+            for (int& x : p)
+                x = static_cast<int>(rng() % 2) * 2 + (round % 2 == 0 ? 0 : static_cast<int>(rng() % 3) - 1);
+        Scene scene;
+        scene.base = Sphere{{0.5, 0.25, -0.5}, 0.125};
+        scene.box = {Vec3::Constant(-16), Vec3::Constant(16)};
+        bool is_scene = true;
+        for (std::size_t i = 0; i < 3; ++i) {
+            is_scene = is_scene && n[i] != std::array<int, 3>{0, 0, 0};
+            for (std::size_t k = 0; k < i; ++k) is_scene = is_scene && n[i] != n[k];
+            scene.objects.push_back(
+                Sphere{Vec3(n[i][0], n[i][1], n[i][2]) + std::get<Sphere>(scene.base).center, 0.125});
+        }
+        if (!is_scene) continue;
+        // An inversion about the origin takes circles through it to lines.
+        std::array<std::array<Rational, 3>, 3> at;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                at[i][k] = Rational(n[i][k]) / (n[i][0] * n[i][0] + n[i][1] * n[i][1] + n[i][2] * n[i][2]);
+        bool is_line = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3;
+            is_line = is_line && (at[1][k] - at[0][k]) * (at[2][l] - at[0][l]) ==
+                                     (at[1][l] - at[0][l]) * (at[2][k] - at[0][k]);
+        }
+        const auto along = GrowingSphereProblem(scene, 1).tie_along({FormId{0}, FormId{1}, FormId{2}});
+        REQUIRE(along);
+        CHECK(*along == is_line);
+        circles += is_line ? 1 : 0;
+        ++told;
+    }
+    CHECK(circles > 25);
+    CHECK(told - circles > 500);
 }
 
 }  // namespace vcell::shared_faces_test
