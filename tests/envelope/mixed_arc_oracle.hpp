@@ -41,7 +41,7 @@ protected:
     }
 
     static Real sine(const std::array<Real, 3>& u, const std::array<Real, 3>& v) {
-        const Real norm = sqrt((u[1] * u[1] + u[2] * u[2]) * (v[1] * v[1] + v[2] * v[2]));
+        const Real norm = oracle::root((u[1] * u[1] + u[2] * u[2]) * (v[1] * v[1] + v[2] * v[2]));
         return norm > 0 ? Real(abs(u[1] * v[2] - u[2] * v[1]) / norm) : Real(0);
     }
 

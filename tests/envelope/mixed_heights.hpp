@@ -88,9 +88,9 @@ struct Distance {
 
 template <class T>
 Distance<T> distance(const Ball& s, const T& x, const T& y, const T& z) {
-    using std::sqrt;
+    using oracle::root;
     const T dx = x - T(s.x), dy = y - T(s.y), dz = z - T(s.z);
-    const T n = sqrt(dx * dx + dy * dy + dz * dz);
+    const T n = root(dx * dx + dy * dy + dz * dz);
     return {n - T(s.rho), {dx / n, dy / n, dz / n}};
 }
 
@@ -103,11 +103,11 @@ Distance<T> distance(const Wall& s, const T& x, const T& y, const T& z) {
 
 template <class T>
 Distance<T> distance(const CylinderForm& s, const T& x, const T& y, const T& z) {
-    using std::sqrt;
+    using oracle::root;
     const T mx = x - T(s.px), my = y - T(s.py), mz = z - T(s.pz), ax(s.ax), ay(s.ay), az(s.az);
     const T cx = my * az - mz * ay, cy = mz * ax - mx * az, cz = mx * ay - my * ax;  // m x a
-    const T cc = cx * cx + cy * cy + cz * cz, aa = ax * ax + ay * ay + az * az, scale = sqrt(cc * aa);
-    return {sqrt(cc / aa) - T(s.rho),
+    const T cc = cx * cx + cy * cy + cz * cz, aa = ax * ax + ay * ay + az * az, scale = root(cc * aa);
+    return {root(cc / aa) - T(s.rho),
             {(ay * cz - az * cy) / scale, (az * cx - ax * cz) / scale, (ax * cy - ay * cx) / scale}};
 }
 

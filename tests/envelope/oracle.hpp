@@ -16,7 +16,7 @@
 namespace vcell::oracle {
 
 struct OracleOptions {
-    int samples = 1000;                  ///< points of the region whose owner is compared
+    int samples = rounds() > 1 ? 1000 : 400;  ///< points of the region whose owner is compared
     std::size_t brute_force_forms = 16;  ///< up to this many forms all triples are tried for missing vertices
 };
 
@@ -78,10 +78,12 @@ private:
             std::size_t i, j;
         };
         std::vector<Pair> pairs;
+        std::vector<Point<Fast>> gradients;
+        for (const Quadric<Rational>& c : curves) gradients.push_back(c.as<Fast>().gradient(q));
         for (std::size_t i = 0; i < curves.size(); ++i) {
-            const Point<Fast> g = curves[i].as<Fast>().gradient(q);
+            const Point<Fast>& g = gradients[i];
             for (std::size_t j = 0; j < i; ++j) {
-                const Point<Fast> h = curves[j].as<Fast>().gradient(q);
+                const Point<Fast>& h = gradients[j];
                 const Fast norm = std::hypot(g.x, g.y) * std::hypot(h.x, h.y);
                 pairs.push_back({norm > 0 ? std::abs(g.x * h.y - g.y * h.x) / norm : 0, i, j});
             }
@@ -272,6 +274,8 @@ private:
     /// Points all over the region, and as many close to vertices, where small faces meet.
     void check_samples(std::mt19937_64& rng, int samples) {
         std::uniform_real_distribution<double> unit(-1, 1);
+        std::vector<Quadric<Fast>> sides;
+        for (const Quadric<Rational>& s : sides_) sides.push_back(s.as<Fast>());
         int asked = 0;
         for (int i = 0; i < samples; ++i) {
             double x = origin_.x + unit(rng) * static_cast<double>(half_.x);
@@ -283,8 +287,7 @@ private:
                 y = v.point.y() + unit(rng) * reach;
             }
             const Point<Fast> q{Fast(x) - origin_.x, Fast(y) - origin_.y};
-            const bool in_region = std::ranges::all_of(sides_, [&](const auto& s) {
-                const auto g = s.template as<Fast>();
+            const bool in_region = std::ranges::all_of(sides, [&](const Quadric<Fast>& g) {
                 return g(q) > kSkip * size_ * (std::abs(g.A) + std::abs(g.B));
             });
             asked += in_region && check_sample(x, y, q);

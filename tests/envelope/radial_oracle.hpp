@@ -26,7 +26,7 @@
 namespace vcell::radial {
 
 struct Options {
-    int samples = 150;  ///< pairs of base points whose faces are compared
+    int samples = rounds() > 1 ? 150 : 50;  ///< pairs of base points whose faces are compared
 };
 
 class Judge : public StructureOracle {

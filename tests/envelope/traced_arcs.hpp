@@ -38,8 +38,7 @@ struct Case {
 };
 
 inline SpaceFitError fitted(const BaseChart& chart, const SpaceArc& arc, double tolerance,
-                            std::vector<SpaceSpan>& spans) {
-    FitEffort effort;
+                            std::vector<SpaceSpan>& spans, FitEffort effort = {}) {
     return fit_space_spline(chart, arc, tolerance, spans, effort);
 }
 inline SpaceFitError fitted(const Case& c, const SpaceArc& arc, double tolerance,
