@@ -370,25 +370,28 @@ Sign CircleKernel::curvature_sign(FormPair c) {
     return (f.K * g.W - g.K * f.W).sign();
 }
 
-// |grad F|^2 - 4 K F is the same everywhere: 4 K^2 r^2. Evaluate it where |grad F| is least, at the centre.
+// |grad F|^2 - 4 K F is the same everywhere: 4 K^2 r^2. Evaluate it where |grad F| is least, at the centre;
+// of what may be a line, where doubles know none, near a form.
 Sign CircleKernel::radius_sign(FormPair c) {
     const Form &f = forms_[c.f], &g = forms_[c.g];
     const double K = f.K - g.K;
+    double x = f.cx, y = f.cy;
     if (std::abs(K) > 4 * K_roundings * (std::abs(f.K) + std::abs(g.K))) {
         // The centre solves grad F = 0; any point near it serves.
-        const Jet o = difference(c, f.cx, f.cy);
-        const double x = f.cx - o.gx / (2 * K), y = f.cy - o.gy / (2 * K);
-        const Jet j = difference(c, x, y);
-        const double g2 = j.gx * j.gx + j.gy * j.gy, four_KF = 4 * j.K * j.v;
-        const double bound =
-            (4 * j.eg * (std::abs(j.gx) + std::abs(j.gy)) + 4 * j.eg * j.eg +
-             4 * ((std::abs(j.K) + j.eK) * j.ev + std::abs(j.v) * j.eK) + 8 * u * (g2 + std::abs(four_KF))) *
-                slop +
-            tiny;
-        if (std::abs(g2 - four_KF) > bound) {
-            ++decisions_.by_double;
-            return sign_of(g2 - four_KF);
-        }
+        const Jet o = difference(c, x, y);
+        x -= o.gx / (2 * K);
+        y -= o.gy / (2 * K);
+    }
+    const Jet j = difference(c, x, y);
+    const double g2 = j.gx * j.gx + j.gy * j.gy, four_KF = 4 * j.K * j.v;
+    const double bound =
+        (4 * j.eg * (std::abs(j.gx) + std::abs(j.gy)) + 4 * j.eg * j.eg +
+         4 * ((std::abs(j.K) + j.eK) * j.ev + std::abs(j.v) * j.eK) + 8 * u * (g2 + std::abs(four_KF))) *
+            slop +
+        tiny;
+    if (std::abs(g2 - four_KF) > bound) {
+        ++decisions_.by_double;
+        return sign_of(g2 - four_KF);
     }
     ++decisions_.by_exact;
     const ExactCurve e = exact_curve(c);
