@@ -17,14 +17,13 @@ public:
     using Form = CircleKernel::Form;
     using BoxForm = CircleKernel::BoxForm;
 
-    void clear() { resize(0); }
-    /// What is new has no box.
-    void resize(std::size_t faces) {
-        for (std::vector<double>* column : {&x_, &y_, &rx_, &ry_, &gx_, &gy_, &K_, &scale_, &excess_})
-            column->resize(faces);
-        v_.resize(faces, -HUGE_VAL);
+    void clear() { size_ = 0; }
+    /// One more, which has no box.
+    void add() {
+        if (size_ == v_.size()) grow();
+        remove(static_cast<Index>(size_++));
     }
-    std::size_t size() const { return v_.size(); }
+    std::size_t size() const { return size_; }
 
     /// Face f, which `site` owns, lies within rx and ry of (x, y).
     void set(Index f, const Form& site, double x, double y, double rx, double ry) {
@@ -63,23 +62,32 @@ public:
     /// face f, where the one at its middle changes by 2 K per unit. Rounding is relative to the terms of
     /// both.
     double slope_bound(Index f, const Form& form, const Form& site) const {
+        return slope_bound(form, site, at(f), x_[f], y_[f], rx_[f], ry_[f]);
+    }
+    /// That bound in any box; `a` is the site's BoxForm.
+    static double slope_bound(const Form& form, const Form& site, const BoxForm& a, double x, double y,
+                              double rx, double ry) {
         constexpr double rounding_margin = 1e-12;
-        const BoxForm b = CircleKernel::box_form(form, x_[f], y_[f], rx_[f], ry_[f]);
-        const double extent = rx_[f] + ry_[f], K = std::abs(b.K - K_[f]),
-                     size = std::abs(b.K) + std::abs(K_[f]);
-        const double slack = std::abs(b.gx) + std::abs(b.gy) + std::abs(gx_[f]) + std::abs(gy_[f]) +
-                             std::abs(b.K) * (std::abs(x_[f] - form.cx) + std::abs(y_[f] - form.cy)) +
-                             std::abs(K_[f]) * (std::abs(x_[f] - site.cx) + std::abs(y_[f] - site.cy)) +
-                             size * extent;
-        return std::abs(b.gx - gx_[f]) + std::abs(b.gy - gy_[f]) + 2 * K * extent + rounding_margin * slack;
+        const BoxForm b = CircleKernel::box_form(form, x, y, rx, ry);
+        const double extent = rx + ry, K = std::abs(b.K - a.K), size = std::abs(b.K) + std::abs(a.K);
+        const double slack = std::abs(b.gx) + std::abs(b.gy) + std::abs(a.gx) + std::abs(a.gy) +
+                             std::abs(b.K) * (std::abs(x - form.cx) + std::abs(y - form.cy)) +
+                             std::abs(a.K) * (std::abs(x - site.cx) + std::abs(y - site.cy)) + size * extent;
+        return std::abs(b.gx - a.gx) + std::abs(b.gy - a.gy) + 2 * K * extent + rounding_margin * slack;
     }
 
 private:
+    void grow() {
+        const std::size_t faces = 2 * size_ + 32;
+        for (std::vector<double>* column : {&x_, &y_, &rx_, &ry_, &v_, &gx_, &gy_, &K_, &scale_, &excess_})
+            column->resize(faces);
+    }
     BoxForm at(std::size_t f) const { return {v_[f], gx_[f], gy_[f], K_[f], 0, scale_[f]}; }
 
     std::vector<double> x_, y_, rx_, ry_;          // middle and half sides
     std::vector<double> v_, gx_, gy_, K_, scale_;  // of the site's BoxForm
     std::vector<double> excess_;                   // working space
+    std::size_t size_ = 0;                         // so many of the rows are in use
 };
 
 }  // namespace vcell

@@ -1,6 +1,7 @@
 #include "work_diagram.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cfloat>
 #include <cmath>
 #include <limits>
@@ -10,23 +11,6 @@
 #include "../../core/errors.hpp"
 
 namespace vcell {
-
-namespace {
-
-// Relative to the sum of all terms, some twenty roundings.
-constexpr double rounding_margin = 1e-12;
-
-// Slopes across a chord are divided by its length, which is known from above alone (CircleKernel::ArcBounds).
-constexpr double slope_margin = 1e-5;
-
-// Centre and half sides of a box, the sides rounded up.
-std::array<double, 4> middle(const std::array<double, 4>& box) {
-    const double x = 0.5 * box[0] + 0.5 * box[1], y = 0.5 * box[2] + 0.5 * box[3];
-    return {x, y, Interval::up(std::max(box[1] - x, x - box[0])),
-            Interval::up(std::max(box[3] - y, y - box[2]))};
-}
-
-}  // namespace
 
 // --- Elements ----------------------------------------------------------------------------------------
 
@@ -40,8 +24,13 @@ WorkDiagram::Index WorkDiagram::add_vertex(PointId p, FormId lowest) {
         free_vertices_.pop_back();
         vertices_[v] = Vertex{};
     }
-    vertices_[v].point = p;
-    set_height(vertices_[v], lowest);
+    Vertex& vertex = vertices_[v];
+    vertex.point = p;
+    const KernelPoint& at = kernel_.point(p);
+    vertex.x = at.x;
+    vertex.y = at.y;
+    vertex.error = at.error;
+    set_height(vertex, lowest);
     ++live_vertices_;
     return v;
 }
@@ -76,7 +65,7 @@ WorkDiagram::Index WorkDiagram::add_face(FormId site) {
     if (free_faces_.empty()) {
         f = static_cast<Index>(faces_.size());
         faces_.emplace_back();
-        boxes_.resize(faces_.size());
+        if (are_boxes_current_) boxes_.add();
     } else {
         f = free_faces_.back();
         free_faces_.pop_back();
@@ -87,6 +76,7 @@ WorkDiagram::Index WorkDiagram::add_face(FormId site) {
     }
     faces_[f].site = site;
     faces_[f].outer = none;
+    faces_[f].cuts = 0;
     faces_[f].box = {infinity, -infinity, infinity, -infinity};
     return f;
 }
@@ -97,6 +87,7 @@ void WorkDiagram::set_bounds(Index e) {
         edges_[e].bounds = {kernel_.circle_box(edges_[e].curve), infinity, infinity};
     else
         edges_[e].bounds = kernel_.arc_bounds(edges_[e].curve, vertices_[from].point, vertices_[to].point);
+    edges_[e].is_shorter = false;
 }
 
 // Takes the edge out of the rotations at its ends; a vertex that keeps no edge goes with it.
@@ -188,6 +179,9 @@ void WorkDiagram::clear() {
     edges_.clear();
     faces_.clear();
     boxes_.clear();
+    are_boxes_current_ = true;
+    visits_ = walks_ = scans_ = 0;
+    is_holey_ = false;
     ties_.clear();
     free_vertices_.clear();
     free_edges_.clear();
@@ -206,7 +200,7 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
         const auto corner = kernel_.intersection(side(i + n - 1), side(i), Sign::Positive, {0, 0});
         if (!corner)
             throw InternalError("the region's sides " + std::to_string(i) + " and its neighbour do not meet");
-        add_vertex(*corner, site);
+        vertices_[add_vertex(*corner, site)].is_corner = true;
     }
     add_face({});
     const Index f = add_face(site);
@@ -225,13 +219,16 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
     }
     faces_[f].outer = 0;
     faces_[outside].inner.push_back(1);
+    box_ = faces_[f].box;
     set_box(f);
     require_soundness();
 }
 
-// In builds with asserts: of what every change leaves.
+// In builds with asserts: of what every change leaves, where many forms are inserted of some.
 void WorkDiagram::require_soundness() const {
 #ifndef NDEBUG
+    constexpr std::size_t few = 64;
+    if (walks_ > few && !std::has_single_bit(walks_)) return;
     if (const auto defect = find_defect([&](Index e) { return edges_[e].alive; }))
         throw InternalError("a diagram of circular forms: " + *defect);
     for (Index h = 0; h < half_edges_.size(); ++h)
@@ -243,9 +240,27 @@ void WorkDiagram::require_soundness() const {
 
 // Pre: the boundary of the face is complete.
 void WorkDiagram::set_box(Index face) {
+    if (!are_boxes_current_) return;
     const Face& f = faces_[face];
-    const auto [x, y, rx, ry] = middle(f.box);
+    const auto [x, y, rx, ry] = box_middle(f.box);
     boxes_.set(face, kernel_.form(f.site), x, y, rx, ry);
+}
+
+void WorkDiagram::renew_boxes() {
+    are_boxes_current_ = true;
+    boxes_.clear();
+    for (Index f = 0; f < faces_.size(); ++f) {
+        boxes_.add();
+        if (f != outside && faces_[f].alive) set_box(f);
+    }
+}
+
+// FaceBoxes has this bound, too, of faces whose boxes are there.
+double WorkDiagram::slope_bound(Index face, const CircleKernel::Form& form) const {
+    const Face& f = faces_[face];
+    const CircleKernel::Form& site = kernel_.form(f.site);
+    const auto [x, y, rx, ry] = box_middle(f.box);
+    return FaceBoxes::slope_bound(form, site, CircleKernel::box_form(site, x, y, rx, ry), x, y, rx, ry);
 }
 
 // --- One merge -----------------------------------------------------------------------------------------
@@ -254,6 +269,7 @@ void WorkDiagram::insert(FormId challenger) {
     duels_.clear();
     const CircleKernel::Form form = kernel_.form(challenger);
     inserts_greater_ = is_floor(challenger);
+    if (!are_boxes_current_) renew_boxes();
     const auto add = [&](Index f) {
         duels_.push_back({f, challenger, boxes_.slope_bound(f, form, kernel_.form(faces_[f].site))});
     };
@@ -271,9 +287,15 @@ void WorkDiagram::insert(FormId challenger) {
 // cut where the sign changes; then arcs are inserted face by face; then labels decide which edges stay.
 void WorkDiagram::resolve() {
     ++stamp_;
+    reached_.clear();
+    for (Duel& d : duels_) decide_boundary(d);
+    divide_faces();
+}
+
+// Pre: the duels' boundaries are decided.
+void WorkDiagram::divide_faces() {
     touched_.clear();
     isolated_.clear();
-    for (Duel& d : duels_) decide_boundary(d);
     if (merging_) unite_ties();
     const long components_before = component_count();
     bool plain = true;  // no changed face has holes or isolated vertices
@@ -301,7 +323,7 @@ void WorkDiagram::resolve() {
             }
         }
         f.alive = false;
-        boxes_.remove(d.face);
+        if (are_boxes_current_) boxes_.remove(d.face);
         f.isolated.clear();
         free_faces_.push_back(d.face);
     }
@@ -322,255 +344,6 @@ void WorkDiagram::resolve() {
         nest_cycles();
     }
     require_soundness();
-}
-
-void WorkDiagram::decide_boundary(Duel& d) {
-    const Face& f = faces_[d.face];
-    const FormPair rival = rivals(d.challenger, f.site);
-    const double Kb = kernel_.form(rival.f).K, Ka = kernel_.form(rival.g).K;
-    const double K = std::abs(Kb - Ka) + rounding_margin * (std::abs(Kb) + std::abs(Ka));
-    for_boundary(f, [&](Index h) {
-        const Index v = half_edges_[h].origin;
-        if (v != none && vertex_sign(v, rival) != Sign::Positive) d.met = true;
-    });
-    for (const Index v : f.isolated) vertex_sign(v, rival);
-    for_boundary(f, [&](Index h) {
-        Edge& edge = edges_[h >> 1];
-        if (edge.stamp != stamp_) {
-            edge.stamp = stamp_;
-            const Index from = half_edges_[h].origin;
-            if (from != none && steadily_keeps_sign(edge, vertices_[from], vertices_[target(h)], d, K))
-                edge.sign = vertices_[from].sign;
-            else
-                d.met = decide_edge(h >> 1, rival) || d.met;
-        }
-        d.met = d.met || edges_[h >> 1].sign != Sign::Positive;
-    });
-}
-
-Sign WorkDiagram::vertex_sign(Index v, FormPair rival) {
-    Vertex& vertex = vertices_[v];
-    if (vertex.stamp == stamp_) return vertex.sign;
-    vertex.stamp = stamp_;
-    const KernelPoint& p = kernel_.point(vertex.point);
-    const FormId challenger = challenger_of(rival);
-    const CircleKernel::BoxForm b =
-        CircleKernel::box_form(kernel_.form(challenger), p.x, p.y, p.error, p.error);
-    vertex.slope_x = b.gx;
-    vertex.slope_y = b.gy;
-    const double difference = b.v - vertex.height;
-    // b.top - b.v: its change over the point's uncertainty.
-    vertex.margin =
-        std::abs(difference) - 1.01 * (b.top - b.v + vertex.height_error) - 64 * DBL_EPSILON * b.scale;
-    if (vertex.margin > 0) {
-        ++kernel_.decisions().by_double;
-        vertex.sign = inserts_greater_ ? -sign_of(difference) : sign_of(difference);
-        return vertex.sign;
-    }
-    vertex.sign = kernel_.sign_at(vertex.point, rival.f, rival.g);
-    if (vertex.sign == Sign::Zero) {
-        if (vertex.out == none)
-            add_ties(vertex.ties, {}, challenger);
-        else
-            for_leaving(vertex.out,
-                        [&](Index h) { add_ties(vertex.ties, {half_edges_[h].label}, challenger); });
-    }
-    return vertex.sign;
-}
-
-// Do the values at the ends and the steepest slope all over the face prove that challenger - defender keeps a
-// sign along the edge? On the chord it is a parabola of second derivative 2 K, which falls below the lesser
-// end by K l^2 / 4 at most; from there to the arc it changes by at most the slope times the sagitta.
-bool WorkDiagram::steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
-                                      double K) const {
-    const double l = edge.bounds.chord, s = edge.bounds.sagitta;
-    return v.sign == w.sign && std::min(v.margin, w.margin) > (0.25 * K * l * l + d.slope * s) * (1 + 1e-9);
-}
-
-// Do the values at the ends alone prove that challenger - defender keeps their common sign along the edge?
-// Let g be it times that sign, F of the rivals, m and n lower bounds of g at the two ends, l the chord and s
-// the sagitta. On the chord g >= (1 - t) m + t n - k t (1 - t), where k = K l^2 if that is positive and 0
-// otherwise: a parabola whose minimum is in an end if |m - n| >= k, and (k - |m - n|)^2 / 4k below the lesser
-// end if not. The arc is less than half a circle, so all of it stands on the chord: from there to it g
-// changes by at most |g'| s + |K| s^2, g' being the slope across the chord, which is the same all along it.
-bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
-    const Vertex &v = vertices_[half_edges_[2 * e].origin], &w = vertices_[half_edges_[2 * e + 1].origin];
-    const double m = v.margin, n = w.margin;
-    if (!(m > 0 && n > 0)) return false;  // a slower rung told the sign
-    const CircleKernel::Form &b = kernel_.form(rival.f), &a = kernel_.form(rival.g);
-    const KernelPoint &p = kernel_.point(v.point), &q = kernel_.point(w.point);
-    const double l = edges_[e].bounds.chord, s = edges_[e].bounds.sagitta;
-    const double ax = (2 * a.k * (p.x - a.cx) + a.a) * a.iw, ay = (2 * a.k * (p.y - a.cy) + a.b) * a.iw;
-    double bx = v.slope_x, by = v.slope_y;
-    if (merging_ || inserts_greater_) {  // they may be another challenger's, or those of rival.g
-        bx = (2 * b.k * (p.x - b.cx) + b.a) * b.iw;
-        by = (2 * b.k * (p.y - b.cy) + b.b) * b.iw;
-    }
-    // The ends are known to 1e-8 of the chord, and the chord's direction with them.
-    const double K = b.K - a.K, K_error = rounding_margin * (std::abs(b.K) + std::abs(a.K));
-    const double gx = bx - ax, gy = by - ay, size = std::abs(K) + K_error;
-    const double slope =
-        std::abs(gx * (q.y - p.y) - gy * (q.x - p.x)) +
-        l * (1e-7 * (std::abs(gx) + std::abs(gy) + size * l) +
-             rounding_margin * (std::abs(bx) + std::abs(ax) + std::abs(by) + std::abs(ay) +
-                                std::abs(b.K) * (std::abs(p.x - b.cx) + std::abs(p.y - b.cy)) +
-                                std::abs(a.K) * (std::abs(p.x - a.cx) + std::abs(p.y - a.cy))));
-    const double off_chord = (slope / l + size * s) * s * (1 + slope_margin);
-    const double k = ((common == Sign::Positive ? K : -K) + K_error) * l * l, difference = std::abs(m - n);
-    const double left = std::min(m, n) * (1 - 1e-9) - off_chord;
-    if (!(k > difference)) return left > 0;
-    const double dip = k - difference;
-    return 4 * k * left > dip * dip * (1 + 1e-9);
-}
-
-// The roots of challenger - defender on the edge. On the whole curve c there are at most two, and they turn
-// opposite ways: crossing from minus to plus along c is a positive turn c x rival. So a change of sign
-// between the ends names its root; equal signs leave none or both; an end that is a root names the other.
-// Returns whether the edge has been cut.
-bool WorkDiagram::decide_edge(Index e, FormPair rival) {
-    Edge& edge = edges_[e];
-    const FormPair c = edge.curve;
-    const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
-
-    if (from == none) {
-        const std::array<double, 4>& b = edge.bounds.box;
-        if (kernel_.lower_bound(rival.f, rival.g, b[0], b[1], b[2], b[3]) > 0) {
-            edge.sign = Sign::Positive;
-            return false;
-        }
-        if (kernel_.lower_bound(rival.g, rival.f, b[0], b[1], b[2], b[3]) > 0) {
-            edge.sign = Sign::Negative;
-            return false;
-        }
-        // The bottom of the circle is as good a place near it as any.
-        const Eigen::Vector2d near =
-            std::isfinite(b[2]) ? Eigen::Vector2d(0.5 * b[0] + 0.5 * b[1], b[2]) : Eigen::Vector2d(0, 0);
-        if (kernel_.same_curve(c, rival)) {
-            edge.sign = Sign::Zero;
-            add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label},
-                     challenger_of(rival));
-            return false;
-        }
-        switch (kernel_.intersection_sign(c, rival, near)) {
-            case Sign::Negative:
-                edge.sign = kernel_.sign_at(kernel_.leftmost_point(c), rival.f, rival.g);
-                return false;
-            case Sign::Zero: {
-                const PointId p = kernel_.touching_point(c, rival);
-                const Cut cut{p, true};
-                return cut_edge(e, rival, {&cut, 1}, kernel_.sign_beside_touching(p, c, rival));
-            }
-            case Sign::Positive: {
-                const Cut cuts[] = {{*kernel_.intersection(c, rival, Sign::Positive, near), false},
-                                    {*kernel_.intersection(c, rival, Sign::Negative, near), false}};
-                return cut_edge(e, rival, cuts, Sign::Negative);
-            }
-        }
-    }
-
-    const Sign s = vertices_[from].sign, t = vertices_[to].sign;
-    const PointId p = vertices_[from].point, q = vertices_[to].point;
-    const auto near = [&] {
-        return Eigen::Vector2d(0.5 * (at(from).x + at(to).x), 0.5 * (at(from).y + at(to).y));
-    };
-    const auto root = [&](Sign turn) {
-        const auto r = kernel_.intersection(c, rival, turn, near());
-        if (!r) throw InternalError("no root of a sign change on edge e" + std::to_string(e));
-        return Cut{*r, false};
-    };
-    if (s != Sign::Zero && t != Sign::Zero) {
-        if (s != t) {
-            const Cut cut = root(t);
-            return cut_edge(e, rival, {&cut, 1}, s);
-        }
-        edge.sign = s;
-        if (keeps_sign(e, rival, s)) return false;
-        const auto [x, y, rx, ry] = middle(edge.bounds.box);
-        const CircleKernel::BoxForm b = CircleKernel::box_form(kernel_.form(rival.f), x, y, rx, ry);
-        const CircleKernel::BoxForm a = CircleKernel::box_form(kernel_.form(rival.g), x, y, rx, ry);
-        if (s == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry)
-                                : CircleKernel::certainly_above(a, b, rx, ry))
-            return false;
-        // Two lines cross once, and then the signs at the ends would differ.
-        if (edge.rim && kernel_.curvature_sign(rival) == Sign::Zero) return false;
-        auto first = kernel_.certain_intersection(c, rival, -s, near());
-        if (!first) {
-            switch (kernel_.intersection_sign(c, rival, near())) {
-                case Sign::Negative: return false;
-                case Sign::Zero: {
-                    const Cut cut{kernel_.touching_point(c, rival), true};
-                    return kernel_.strictly_between(c, p, q, cut.point) && cut_edge(e, rival, {&cut, 1}, s);
-                }
-                case Sign::Positive:
-                    if (kernel_.curvature_sign(c) == Sign::Zero &&
-                        kernel_.curvature_sign(rival) == Sign::Zero)
-                        return false;
-                    first = root(-s).point;
-            }
-        }
-        if (!kernel_.strictly_between(c, p, q, *first)) return false;
-        const Cut cuts[] = {{*first, false}, root(s)};
-        return cut_edge(e, rival, cuts, s);
-    }
-
-    // An end is a root. Its turn tells the sign beside it, and whether the other root must lie on the edge.
-    if (s == Sign::Zero && t == Sign::Zero && kernel_.same_curve(c, rival)) {
-        edge.sign = Sign::Zero;
-        add_ties(edge.ties, {half_edges_[2 * e].label, half_edges_[2 * e + 1].label}, challenger_of(rival));
-        return false;
-    }
-    const Sign turn = kernel_.turn_at(s == Sign::Zero ? p : q, c, rival);
-    if (turn == Sign::Zero) {
-        edge.sign = kernel_.sign_beside_touching(s == Sign::Zero ? p : q, c, rival);
-    } else if (s == Sign::Zero && t == Sign::Zero && from != to) {
-        edge.sign = turn;
-    } else if (s == Sign::Zero) {  // also the loop at one vertex: the sign returns to its other side
-        edge.sign = turn;
-        if (from == to || t != turn) {
-            const Cut cut = root(-turn);
-            return cut_edge(e, rival, {&cut, 1}, turn);
-        }
-    } else {
-        edge.sign = s;
-        if (s == turn) {
-            const Cut cut = root(-turn);
-            return cut_edge(e, rival, {&cut, 1}, s);
-        }
-    }
-    return false;
-}
-
-// Splits e at the cuts, in order along its curve. Parts that a single challenger takes over are as good as
-// gone. The sign before the first is given; it changes at every cut that is no touching.
-bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
-    const auto stays = [&](Index part) {
-        return merging_ || edges_[part].rim || edges_[part].sign != Sign::Negative;
-    };
-    Sign sign = before;
-    const bool closed = half_edges_[2 * e].origin == none;
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-        const Cut& cut = cuts[i];
-        const Index v = split_edge(e, cut.point, defender_of(rival));
-        vertices_[v].stamp = stamp_;
-        vertices_[v].sign = Sign::Zero;
-        const FormId left = half_edges_[2 * e].label, right = half_edges_[2 * e + 1].label;
-        if (edges_[e].ties != none) vertices_[v].ties = copy_ties(edges_[e].ties);
-        if (cut.touching || vertices_[v].ties != none)
-            add_ties(vertices_[v].ties, {left, right}, challenger_of(rival));
-        if (closed && i == 0) {
-            // The loop starts after the first cut; a second one ends it.
-            if (!cut.touching) sign = -sign;
-            edges_[e].sign = sign;
-            continue;
-        }
-        edges_[e].sign = sign;
-        if (stays(e)) set_bounds(e);
-        if (!cut.touching) sign = -sign;
-        e = half_edges_[2 * e].next >> 1;
-        edges_[e].sign = sign;
-    }
-    if (stays(e)) set_bounds(e);
-    return true;
 }
 
 }  // namespace vcell

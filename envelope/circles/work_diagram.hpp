@@ -1,16 +1,18 @@
 /// A minimization diagram under construction, small and changed in place.
 ///
-/// Its faces are compared one by one with a challenger (the paper's comparison of two surfaces over an
-/// overlay face, [HE, section 2.1]): where the challenger wins, its arcs are inserted, the face relabelled
-/// and edges between equal labels removed. A diagram that consists of one face needs no overlay, so sites
-/// can be merged in one at a time without ever computing the crossing of two unrelated trisectors; the
-/// general merge takes the overlay of two diagrams and a challenger for each of its faces.
+/// Its faces are compared with a challenger (the paper's comparison of two surfaces over an overlay face,
+/// [HE, section 2.1]): where the challenger wins, its arcs are inserted, the face relabelled and edges
+/// between equal labels removed. A diagram that consists of one face needs no overlay, so sites can be merged
+/// in one at a time without ever computing the crossing of two unrelated trisectors: all faces are compared,
+/// or, where sites come in the order of K, those that a walk leads to (work_walk.cpp). The general merge
+/// takes the overlay of two diagrams and a challenger for each of its faces.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,6 +41,8 @@ public:
         Index stamp = 0;
         Sign sign = Sign::Zero;  ///< of challenger - defender, while stamp is current
         bool alive = true;
+        bool is_corner = false;       ///< of the polygon
+        double x, y, error;           ///< as the kernel's point has them
         double height, height_error;  ///< encloses the minimum at the vertex
         // While stamp is current: the challenger's slope, and a lower bound of |challenger - defender|.
         double slope_x, slope_y, margin;
@@ -49,8 +53,10 @@ public:
         CircleKernel::ArcBounds bounds;
         Index ties = none, challenger_ties = none;
         Index stamp = 0;
+        Index cut = none;  ///< while a form is inserted that crosses the edge: its vertex there
         Sign sign = Sign::Zero;
         bool rim = false;
+        bool is_shorter = false;  ///< than when the bounds were found
         bool alive = true;
     };
     struct Face {
@@ -59,6 +65,9 @@ public:
         Index outer = none;        ///< a half-edge of the outer boundary component
         std::vector<Index> inner;  ///< a half-edge of each inner boundary component
         std::vector<Index> isolated;
+        Index stamp = 0;          ///< current: it has been walked through
+        bool challenged = false;  ///< while stamp is current: is it one of those that the challenger reaches?
+        Index cuts = 0;           ///< parts that have gone since the box was the face's own
         bool alive = true;
     };
 
@@ -70,6 +79,25 @@ public:
 
     /// Merges in one more form.
     void insert(FormId challenger);
+
+    /// insert(), but by walking there from a vertex: that takes what changes and the way, not all there is.
+    /// Returns a vertex near the form's face, or where the way ended. Pre: no form of the diagram has a
+    /// greater K than the challenger, exactly; there is no floor; is_on_way(from).
+    Index insert_most_curved(FormId challenger, Index from);
+    /// May one set out from here? Vertices that are no more are asked about, too.
+    bool is_on_way(Index v) const {
+        return v < vertices_.size() && vertices_[v].alive && vertices_[v].out != none;
+    }
+    /// A vertex from which one may. Pre: start().
+    Index any_on_way() const {
+        Index v = 0;
+        while (!is_on_way(v)) ++v;
+        return v;
+    }
+    /// What walks and comparisons have taken since start(), in half-edges passed, about.
+    std::size_t visit_count() const { return visits_; }
+    /// Since then: has a form been compared with a face of many holes, all of which are looked at each time?
+    bool is_holey() const { return is_holey_; }
 
     /// Forms of the kernel from `first` on are a floor (EnvelopeOptions::floor): they are inserted where they
     /// are greater than what is there. `is_below`: the diagram's edges between a floor and other forms have
@@ -112,6 +140,15 @@ private:
         bool met = false;         // the challenger wins or ties somewhere on the boundary
         bool changed = false;     // and takes over a part of the face
     };
+    // A face of which a part goes: from the first of these half-edges of its boundary to the second.
+    struct Bite {
+        Index face, leaving, returning;     // none: all of it
+        std::size_t first_corner, corners;  // outside: those of the polygon that the part reaches around
+    };
+    struct Corner {
+        Index vertex;
+        FormPair after;  // the curve of the rim from there on, seen from outside
+    };
     struct Branch {    // {challenger = defender} leaves a vertex into the face, or ends there
         Index corner;  // the boundary half-edge that arrives at the vertex
         Index vertex;
@@ -153,6 +190,28 @@ private:
     Index copy_ties(Index list);
 
     void resolve();
+    void divide_faces();
+    // Centre and half sides of a box, the sides rounded up.
+    static std::array<double, 4> box_middle(const std::array<double, 4>& box) {
+        const double x = 0.5 * box[0] + 0.5 * box[1], y = 0.5 * box[2] + 0.5 * box[3];
+        return {x, y, Interval::up(std::max(box[1] - x, x - box[0])),
+                Interval::up(std::max(box[3] - y, y - box[2]))};
+    }
+    double slope_bound(Index face, const CircleKernel::Form& form) const;
+    void renew_boxes();
+    Index walk(FormId challenger, Index from);
+    bool cut_in(FormId challenger, Index v);
+    bool find_bites(FormId challenger, Index v);
+    double steepening(FormPair rival) const;
+    bool surely_keeps_sign(Index e, FormPair rival, Sign common);
+    std::optional<Cut> first_root(Index e, FormPair rival, Sign common);
+    Cut change_of_sign(Index e, FormPair rival, Sign turn);
+    Eigen::Vector2d chord_middle(Index e) const {
+        const Vertex &p = vertices_[half_edges_[2 * e].origin], &q = vertices_[half_edges_[2 * e + 1].origin];
+        return {0.5 * (p.x + q.x), 0.5 * (p.y + q.y)};
+    }
+    void challenge_from(FormId challenger, Index v);
+    bool is_above_diagram(FormId challenger, Index v) const;
     Layer make_layer(CircleArcs& geometry) const;
     void unite_ties();
     void smooth(Index v);
@@ -161,7 +220,10 @@ private:
     bool steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
                              double K) const;
     bool keeps_sign(Index e, FormPair rival, Sign common) const;
-    Sign vertex_sign(Index v, FormPair rival);
+    Sign vertex_sign(Index v, FormPair rival) {
+        return vertices_[v].stamp == stamp_ ? vertices_[v].sign : find_vertex_sign(v, rival);
+    }
+    Sign find_vertex_sign(Index v, FormPair rival);
     bool decide_edge(Index e, FormPair rival);
     bool cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before);
     void divide_face(Duel& d);
@@ -194,7 +256,12 @@ private:
     std::vector<Vertex> vertices_;
     std::vector<Edge> edges_;
     std::vector<Face> faces_;
-    FaceBoxes boxes_;  // of the faces
+    FaceBoxes boxes_;  // of the faces, unless forms have been inserted by walking since
+    bool are_boxes_current_ = true;
+    // Since start(): half-edges passed; forms inserted by walking, and those sought in all faces in the end.
+    std::size_t visits_ = 0, walks_ = 0, scans_ = 0;
+    bool is_holey_ = false;
+    std::array<double, 4> box_;  // of the polygon
     std::vector<std::vector<FormId>> ties_;
     std::vector<Index> free_vertices_, free_edges_, free_faces_;
     Index stamp_ = 0;
@@ -208,6 +275,10 @@ private:
 
     // Working space of one resolve(), kept for its memory.
     std::vector<Duel> duels_;
+    std::vector<Bite> bites_;
+    std::vector<Corner> corners_;
+    std::vector<Index> new_edges_;
+    std::vector<Index> reached_;  // faces beyond edges on which a duel's challenger wins or ties
     std::vector<Branch> branches_;
     std::vector<Index> touched_;   // half-edges of changed faces
     std::vector<Index> cycles_;    // a half-edge of each new boundary component

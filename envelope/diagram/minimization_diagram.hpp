@@ -191,9 +191,9 @@ struct EnvelopeOptions {
     /// Called now and then with the fraction done, in [0, 1]; may throw to cancel.
     std::function<void(double)> progress;
     unsigned threads = 1;  ///< 0: as many as the machine has cores. The diagram is the same for any number
-    /// Where more functions than this compete in a piece of the region, the diagrams of two halves of them
-    /// are merged by overlay. Changes the time taken only, not the diagram. Measured where many pass one
-    /// point (bench_envelope, sphere): 1,024 forms take 1.2 times as long by insertion alone.
+    /// Where more functions than this compete in a piece of the region that is not divided further, the
+    /// diagrams of two halves of them are merged by overlay; if it is less than 64, nothing larger than such
+    /// a piece is solved as a whole. Changes the time taken only, not the diagram.
     std::size_t largest_piece = 64;
     /// Over a sphere without cylinders: first by insertion of one form after the other (sphere_diagram.hpp).
     /// Changes the time taken only.

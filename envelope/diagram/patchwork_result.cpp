@@ -191,12 +191,14 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     out.edge_offsets_.push_back(0);
     for (Index e = 0; e < edges_.size(); ++e) {
         if (!edges_[e].alive) continue;
-        label.clear();
-        if (edges_[e].ties != none) label = ties_[edges_[e].ties];
-        for (const FormId f : {edges_[e].left, edges_[e].right})
-            if (f.valid()) label.push_back(f);
-        sort_unique(label);
-        out.edge_labels_.insert(out.edge_labels_.end(), label.begin(), label.end());
+        const auto [left, right] = std::pair(edges_[e].left, edges_[e].right);
+        if (edges_[e].ties != none || !left.valid() || !right.valid()) {
+            label = label_of_edge(e);
+            out.edge_labels_.insert(out.edge_labels_.end(), label.begin(), label.end());
+        } else {
+            out.edge_labels_.push_back(std::min(left, right));
+            if (left != right) out.edge_labels_.push_back(std::max(left, right));
+        }
         out.edge_offsets_.push_back(static_cast<std::uint32_t>(out.edge_labels_.size()));
     }
     return out;

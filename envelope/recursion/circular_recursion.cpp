@@ -1,6 +1,7 @@
 #include "circular_recursion.hpp"
 
 #include <array>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -15,10 +16,13 @@ namespace {
 constexpr int most_stalled_splits = 8;
 
 // Fewer forms are not worth a patchwork of their own; more are some hundredths of a second.
-constexpr std::size_t forms_of_block = 2048;
+constexpr std::size_t forms_of_block = 4096;
 // So many are looked at one by one: what is left of groups' forms is many times fewer where their widths
 // differ.
 constexpr std::size_t most_one_by_one = 2 * forms_of_block;
+
+// Candidates that are not for walking are asked about again where they are so many times fewer.
+constexpr std::size_t walks_again = 4;
 
 bool hardly_fewer(std::size_t kept, std::size_t inherited) { return 8 * kept > 7 * inherited; }
 
@@ -47,51 +51,100 @@ constexpr std::array share_of_half{split_ratio, 1 - split_ratio};
 // The recursion on one thread, into one patchwork.
 class CircularRecursion::Solver {
 public:
-    Solver(const CircularRecursion& all, Patchwork& patchwork)
-        : all_(all), patchwork_(patchwork), merger_(all.family_, all.options_) {}
-
-    const PieceMerger& merger() const { return merger_; }
+    Solver(const CircularRecursion& all, PieceMerger& merger, Patchwork& patchwork)
+        : all_(all), patchwork_(patchwork), merger_(merger) {}
 
     // The items, candidates or groups of them, are those that may be lowest in the piece.
     Patchwork::Index solve(const RegionPiece& piece, CompetingForms::Culling& cull,
-                           std::span<const Item> items, double share, int stalled) {
+                           std::span<const Item> items, double share, int stalled,
+                           std::size_t most_walked = SIZE_MAX) {
         const CompetingForms& forms = cull.forms();
-        if (forms.count(items) > all_.sizes_.most && stalled <= most_stalled_splits) {
+        const std::size_t count = forms.count(items);
+        std::vector<Item> candidates;
+        const auto collect_candidates = [&] {
+            for (const Item item : items)
+                forms.for_forms(item, [&](Item form) { candidates.push_back(form); });
+        };
+        const auto add = [&](const WorkDiagram& diagram) {
+            const Patchwork::Index handle = patchwork_.add(diagram, piece.sides);
+            all_.progress_.add(share);
+            return handle;
+        };
+        if (count > all_.sizes_.most && count <= most_walked &&
+            all_.options_.largest_piece >= all_.sizes_.most) {
+            collect_candidates();
+            if (const auto* diagram = merger_.merge_by_walking(piece, forms, candidates))
+                return add(*diagram);
+            candidates.clear();
+            most_walked = count / walks_again;
+        }
+        if (count > all_.sizes_.most && stalled <= most_stalled_splits) {
             if (const auto halves = split(piece, all_.cutter_, patchwork_)) {
                 const Patchwork::Index a =
-                    solve_culled(halves->first, cull, items, share * share_of_half[0], stalled);
+                    solve_culled(halves->first, cull, items, share * share_of_half[0], stalled, most_walked);
                 const Patchwork::Index b =
-                    solve_culled(halves->second, cull, items, share * share_of_half[1], stalled);
+                    solve_culled(halves->second, cull, items, share * share_of_half[1], stalled, most_walked);
                 return patchwork_.glue(a, b, halves->seam);
             }
         }
-        std::vector<Item> candidates;
-        for (const Item item : items) forms.for_forms(item, [&](Item form) { candidates.push_back(form); });
-        const Patchwork::Index handle =
-            patchwork_.add(merger_.merge(piece, cull, candidates, all_.sizes_.quartering), piece.sides);
-        all_.progress_.add(share);
-        return handle;
+        collect_candidates();
+        return add(merger_.merge(piece, cull, candidates, all_.sizes_.quartering));
     }
 
     Patchwork::Index solve_culled(const RegionPiece& piece, CompetingForms::Culling& cull,
-                                  std::span<const Item> inherited, double share, int stalled) {
+                                  std::span<const Item> inherited, double share, int stalled,
+                                  std::size_t most_walked = SIZE_MAX) {
         std::vector<Item> items;
         stalled = all_.cull_items(cull, piece.rect, inherited, stalled, items);
-        return solve(piece, cull, items, share, stalled);
+        return solve(piece, cull, items, share, stalled, most_walked);
     }
 
 private:
     const CircularRecursion& all_;
     Patchwork& patchwork_;
-    PieceMerger merger_;
+    PieceMerger& merger_;
+};
+
+// Mergers keep their memory from block to block: as many as there are blocks at a time.
+class CircularRecursion::Mergers {
+public:
+    explicit Mergers(const CircularRecursion& all) : all_(all) {}
+
+    /// work(merger), with one that nobody else has for the time.
+    template <class Work>
+    auto with_one(Work&& work) {
+        PieceMerger& merger = take();
+        auto result = work(merger);
+        const std::lock_guard lock(mutex_);
+        free_.push_back(&merger);
+        return result;
+    }
+    /// Pre: none is taken.
+    template <class Visit>
+    void for_each(Visit&& visit) const {
+        for (const auto& merger : mergers_) visit(*merger);
+    }
+
+private:
+    PieceMerger& take() {
+        const std::lock_guard lock(mutex_);
+        if (free_.empty())
+            return *mergers_.emplace_back(std::make_unique<PieceMerger>(all_.family_, all_.options_));
+        PieceMerger* const merger = free_.back();
+        free_.pop_back();
+        return *merger;
+    }
+
+    const CircularRecursion& all_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<PieceMerger>> mergers_;
+    std::vector<PieceMerger*> free_;
 };
 
 // A block's own patchwork.
 struct CircularRecursion::Solved {
     Patchwork patchwork;
     Patchwork::Index handle;
-    Decisions decisions;
-    EnvelopeWork effort;
 };
 
 CircularRecursion::CircularRecursion(const FormFamily& family, const EnvelopeOptions& options,
@@ -102,18 +155,18 @@ CircularRecursion::CircularRecursion(const FormFamily& family, const EnvelopeOpt
       progress_(progress),
       patchwork_(patchwork),
       cutter_(family),
-      here_(std::make_unique<Solver>(*this, patchwork)) {}
+      mergers_(std::make_unique<Mergers>(*this)) {}
 CircularRecursion::~CircularRecursion() = default;
 
 Decisions CircularRecursion::decisions() const {
-    Decisions sum = decisions_;
-    sum += here_->merger().decisions();
+    Decisions sum;
+    mergers_->for_each([&](const PieceMerger& m) { sum += m.decisions(); });
     return sum;
 }
 
 EnvelopeWork CircularRecursion::effort() const {
-    EnvelopeWork sum = effort_;
-    sum += here_->merger().effort();
+    EnvelopeWork sum;
+    mergers_->for_each([&](const PieceMerger& m) { sum += m.effort(); });
     return sum;
 }
 
@@ -122,8 +175,10 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
     const CompetingForms forms(family_, candidates);
     const std::vector<Item>& all = forms.all();
     if (candidates.size() <= forms_of_block) {
-        CompetingForms::Culling cull(forms);
-        return here_->solve_culled(piece, cull, all, share, 0);
+        return mergers_->with_one([&](PieceMerger& merger) {
+            CompetingForms::Culling cull(forms);
+            return Solver(*this, merger, patchwork_).solve_culled(piece, cull, all, share, 0);
+        });
     }
     std::vector<Node> nodes = halved(piece, forms, all, share);
     std::vector<Block> blocks;
@@ -132,14 +187,14 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
     const auto solve_block = [&](std::size_t i) {
         Node& node = nodes[blocks[i].node];
         const std::vector<Item> own = std::move(node.items);
-        Solved solved{Patchwork(family_, forms.count(own)), Patchwork::none, {}, {}};
-        solved.patchwork.leave_seams_to(patchwork_);
-        Solver solver(*this, solved.patchwork);
-        CompetingForms::Culling cull(forms);
-        solved.handle = solver.solve(node.piece, cull, own, node.share, node.stalled);
-        solved.decisions = solver.merger().decisions();
-        solved.effort = solver.merger().effort();
-        return solved;
+        return mergers_->with_one([&](PieceMerger& merger) {
+            Solved solved{Patchwork(family_, forms.count(own)), Patchwork::none};
+            solved.patchwork.leave_seams_to(patchwork_);
+            CompetingForms::Culling cull(forms);
+            solved.handle = Solver(*this, merger, solved.patchwork)
+                                .solve(node.piece, cull, own, node.share, node.stalled);
+            return solved;
+        });
     };
     std::vector<Patchwork::Index> handles;  // of what is not glued yet
     const auto take_block = [&](std::size_t i, Solved solved) {
@@ -149,8 +204,6 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
             handles.pop_back();
             handles.back() = patchwork_.glue(handles.back(), second, seam);
         }
-        decisions_ += solved.decisions;
-        effort_ += solved.effort;
         progress_.add(0);  // other threads' blocks, too, are told of
     };
     progress_.cancellable(

@@ -1,5 +1,6 @@
-/// The recursion where circular forms compete alone: the region is split until few compete in a piece, whose
-/// diagrams are found by a PieceMerger and glued along the seams again.
+/// The recursion where circular forms compete alone. Up to some thousands of forms are inserted by walking,
+/// where that does; otherwise the region is split until few compete in a piece. Pieces' diagrams are found by
+/// a PieceMerger and glued along the seams again.
 ///
 /// Where many compete the splitting goes on side by side, piece by piece of the same generation, down to
 /// blocks of a few thousand forms. Each block is solved in a patchwork of its own, on any thread, and taken
@@ -65,6 +66,7 @@ private:
     };
     struct Solved;
     class Solver;
+    class Mergers;
 
     // Which of the items, or parts of them, may be lowest in a piece. Returns how often in a row, this time
     // included, that hardly left out any form.
@@ -80,10 +82,7 @@ private:
     SharedProgress& progress_;
     Patchwork& patchwork_;
     const PieceCutter cutter_;
-    const std::unique_ptr<Solver> here_;  // of what is too little for blocks
-    // What blocks have counted.
-    Decisions decisions_;
-    EnvelopeWork effort_;
+    const std::unique_ptr<Mergers> mergers_;
 };
 
 }  // namespace vcell

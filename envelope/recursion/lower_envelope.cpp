@@ -2,18 +2,18 @@
 // region only the forms that are lowest somewhere in it matter, whatever their total number, and there the
 // diagrams are merged. The pieces' diagrams are glued along the seams (patchwork.hpp).
 //
-// Within a piece the recursion splits off one form at a time as long as there are few: the diagram of one
-// form is a single face, so its overlay with the rest is the rest itself, and no crossing of unrelated
-// trisectors is ever computed. A piece whose forms cannot be culled (many meeting at one vertex, say) is
-// halved and merged by overlay, which keeps the worst case at O(n log n) overlays of what is there.
+// Within a piece the recursion splits off one form at a time: the diagram of one form is a single face, so
+// its overlay with the rest is the rest itself, and no crossing of unrelated trisectors is ever computed. Of
+// many forms each is sought by walking (work_walk.cpp); of few it is compared with all faces. A piece in
+// which many meet in one vertex, so that they cannot be culled, is halved and merged by overlay, which keeps
+// the worst case at O(n log n) overlays of what is there.
 //
 // Where a cylinder competes the pieces are split until they are plain (mixed_piece.hpp); the labels along
 // their sides are found once, when the side is made, so that the pieces beside a seam cannot disagree. Pieces
 // without a competing cylinder are left to exact merging.
 //
-// Circular forms over a plane are linear on the sphere, too, where discs are inserted for a fraction of the
-// work (../sphere); but there faces have to be discs, and over a plane those of low balls are islands in
-// those of wide ones for a time: of 1,593 pieces of 10,000 random balls 21 came out.
+// Circular forms over a plane are linear on the sphere, too (../sphere); but there faces have to be discs and
+// each form's only one, and over a plane some forms have two faces, or are islands in those of others.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -49,32 +49,6 @@ FormScene hub(int n, bool equal) {
     return s;
 }
 
-/// Forms with few different numbers: many coincidences of every kind.
-FormScene coarse(std::mt19937_64& rng, int n) {
-    FormScene s{.name = "coarse numbers, n = " + std::to_string(n), .numbers = {}, .polygon = {}};
-    const auto pick = [&](int low, int high) {
-        return std::uniform_int_distribution<int>(low, high)(rng) / 2.0;
-    };
-    while (static_cast<int>(s.numbers.size()) < n) {
-        FormScene one = s;
-        one.numbers.clear();
-        if (pick(0, 4) == 0) {
-            one.plane(pick(-2, 2), pick(-2, 2), pick(2, 6), pick(2, 4));
-        } else {
-            const double w = pick(1, 4), r = pick(0, 4);
-            one.paraboloid(pick(-4, 4), pick(-4, 4), w - r * r, w);
-        }
-        // No function twice: a plane's numbers may be multiples of another's.
-        const auto& m = one.numbers.front();
-        const bool known = std::ranges::any_of(s.numbers, [&](const FormScene::Numbers& k) {
-            return k.k * m.w == m.k * k.w && k.cx == m.cx && k.cy == m.cy && k.a * m.w == m.a * k.w &&
-                   k.b * m.w == m.b * k.w && k.e * m.w == m.e * k.w;
-        });
-        if (!known) s.numbers.push_back(m);
-    }
-    return s;
-}
-
 }  // namespace
 
 TEST_CASE("lower_envelope: merging by overlay gives the diagram of merging one by one, coarse numbers") {
