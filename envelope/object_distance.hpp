@@ -35,4 +35,22 @@ inline double signed_distance_from(const Object& object, const Vec3& p) {
     return plane->normal.stableNormalized().dot(p - plane->point);
 }
 
+/// A lower bound of the distance between an object and a ball's surface; negative where they overlap.
+inline double least_distance(const Object& object, const Sphere& ball) {
+    // Beyond the rounding of a handful of products of coordinates and unit vectors.
+    constexpr double rounding = 0x1p-46;
+    const auto size_of = [](const auto& o) {
+        if constexpr (requires { o.center; })
+            return o.center.cwiseAbs().sum() + o.radius;
+        else if constexpr (requires { o.apex; })
+            return o.apex.cwiseAbs().sum();
+        else if constexpr (requires { o.radius; })
+            return o.point.cwiseAbs().sum() + o.radius;
+        else
+            return o.point.cwiseAbs().sum();
+    };
+    return distance_from(object, ball.center) - ball.radius -
+           rounding * (std::visit(size_of, object) + size_of(ball));
+}
+
 }  // namespace vcell

@@ -4,13 +4,9 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "../../core/errors.hpp"
-#include "../../primitives/bases/cone_form.hpp"
-#include "../../primitives/bases/nested_balls.hpp"
-#include "../../primitives/bases/solids.hpp"
 #include "../complete_measures.hpp"
 #include "../object_distance.hpp"
 #include "../voronoi_cell.hpp"
@@ -23,60 +19,6 @@ namespace {
 
 using Kind = InputError::Kind;
 constexpr Image here{0, 0, 0};
-
-// ---- Distances --------------------------------------------------------------------------------------
-
-// A lower bound of the distance between an object and a ball's surface; negative where they overlap.
-double least_distance(const Object& object, const Sphere& ball) {
-    // Beyond the rounding of a handful of products of coordinates and unit vectors.
-    constexpr double rounding = 0x1p-46;
-    const auto size_of = [](const auto& o) {
-        if constexpr (requires { o.center; })
-            return o.center.cwiseAbs().sum() + o.radius;
-        else if constexpr (requires { o.apex; })
-            return o.apex.cwiseAbs().sum();
-        else if constexpr (requires { o.radius; })
-            return o.point.cwiseAbs().sum() + o.radius;
-        else
-            return o.point.cwiseAbs().sum();
-    };
-    return distance_from(object, ball.center) - ball.radius -
-           rounding * (std::visit(size_of, object) + size_of(ball));
-}
-
-CylinderForm form_of(const auto& tube) {
-    const Vec3 a = scaled_axis(tube.axis), &p = tube.point;
-    return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), tube.radius};
-}
-
-// What lies beyond a vessel's wall, or touches it from there, is nowhere nearer than the wall.
-bool is_beyond_wall(const Object& object, const Sphere& ball) {
-    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
-        const ExactVector way = ExactVector(ball.center) - ExactVector(vessel->center);
-        const Exact reach = Exact(vessel->radius) + ball.radius;
-        return (dot(way, way) - reach * reach).sign() != Sign::Negative;
-    }
-    if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
-        const Vec3& c = ball.center;
-        return is_beside(form_of(*vessel), c.x(), c.y(), c.z(), ball.radius);
-    }
-    if (const auto* vessel = std::get_if<HollowCone>(&object))
-        return !(least_distance(object, ball) + 2 * ball.radius > 0) &&
-               is_beside(ConeForm(*vessel),
-                         Ball{ball.center.x(), ball.center.y(), ball.center.z(), ball.radius});
-    return false;
-}
-
-bool is_beyond_wall(const Object& object, const Cylinder& tube) {
-    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
-        const Vec3& c = vessel->center;
-        return is_beside(form_of(tube), c.x(), c.y(), c.z(), vessel->radius);
-    }
-    if (const auto* vessel = std::get_if<HollowCylinder>(&object))
-        return is_beside(form_of(*vessel), form_of(tube));
-    const auto* vessel = std::get_if<HollowCone>(&object);
-    return vessel != nullptr && is_beside(ConeForm(*vessel), form_of(tube));
-}
 
 std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
     std::vector<BallTree::Entry> balls;
@@ -152,61 +94,6 @@ double snap_to_grid(DiagramScene& scene) {
     return moved * std::sqrt(3.0) * (1 + std::numeric_limits<double>::epsilon());
 }
 
-double depth_in_holder(const Sphere& ball) {
-    return -ball.radius + 0x1p-40 * (ball.radius + ball.center.cwiseAbs().sum());
-}
-
-std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
-                                     const ImageTree& balls) {
-    const auto name = [&](std::uint32_t i) {
-        return "object " + std::to_string(numbers.empty() ? i : numbers[i]);
-    };
-    std::vector<std::uint32_t> vessels;
-    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (is_vessel(scene.objects[i])) vessels.push_back(i);
-    std::vector<std::string> hidden(scene.objects.size());
-    const auto is_beyond = [&](std::uint32_t i, const auto& body) {
-        const auto vessel = std::ranges::find_if(
-            vessels, [&](std::uint32_t x) { return is_beyond_wall(scene.objects[x], body); });
-        if (vessel != vessels.end()) hidden[i] = "lies beyond the wall of " + name(*vessel);
-        return vessel != vessels.end();
-    };
-    for (std::uint32_t i = 0; i < scene.objects.size() && !vessels.empty(); ++i)
-        if (const auto* tube = std::get_if<Cylinder>(&scene.objects[i])) is_beyond(i, *tube);
-    std::vector<std::tuple<std::uint32_t, Image, Ball>> holders;
-    std::vector<Ball> around;
-    const auto ball_of = [](const Sphere& s) {
-        return Ball{s.center.x(), s.center.y(), s.center.z(), s.radius};
-    };
-    for (const BallTree::Entry& self : balls.tree().entries()) {
-        const auto& s = std::get<Sphere>(scene.objects[self.number]);
-        if (is_beyond(self.number, s)) continue;
-        holders.clear();
-        balls.within(s.center, depth_in_holder(s),
-                     [&](const Sphere& ball, std::uint32_t number, const Image& image) {
-                         if (ball.radius < s.radius || (number == self.number && image == here)) return;
-                         holders.emplace_back(number, image, ball_of(ball));
-                     });
-        if (holders.empty()) continue;
-        std::ranges::sort(holders, [](const auto& a, const auto& b) {
-            return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
-        });
-        around.assign(1, ball_of(s));
-        for (const auto& [number, image, ball] : holders) around.push_back(ball);
-        const BallNesting nesting = ball_nesting(around);
-        if (const std::uint32_t in = nesting.enclosing[0]; in != UINT32_MAX) {
-            hidden[self.number] = "lies in " + name(std::get<0>(holders[in - 1]));
-            continue;
-        }
-        std::pair<std::uint32_t, Image> first{self.number, here};
-        for (std::size_t k = 1; k < around.size(); ++k)
-            if (nesting.first_equal[k] == 0)
-                first = std::min(first, {std::get<0>(holders[k - 1]), std::get<1>(holders[k - 1])});
-        if (first != std::pair(self.number, here)) hidden[self.number] = "equals " + name(first.first);
-    }
-    return hidden;
-}
-
 DecidedDiagram::DecidedDiagram(const DiagramScene& scene) {
     validate_diagram(scene);
     part_.scene = scene;
@@ -216,12 +103,15 @@ DecidedDiagram::DecidedDiagram(const DiagramScene& scene) {
     part_.balls = balls_.tree().entries().size();
 }
 
-DecidedDiagram::DecidedDiagram(ScenePart part) : part_(std::move(part)) { index(); }
+DecidedDiagram::DecidedDiagram(ScenePart part) : part_(std::move(part)) {
+    hide_others(part_.scene, part_.numbers, part_.hidden);
+    index();
+}
 
 void DecidedDiagram::index() {
     lattice_ = Lattice(part_.scene);
     for (std::uint32_t i = 0; i < part_.scene.objects.size(); ++i) {
-        if (!is_ball(i)) others_.push_back(i);
+        if (!is_ball(i) && part_.hidden[i].empty()) others_.push_back(i);
         has_vessels_ = has_vessels_ || is_vessel(part_.scene.objects[i]);
     }
     std::vector<BallTree::Entry> balls = balls_of(part_.scene);

@@ -10,6 +10,7 @@
 #include "../cell.hpp"
 #include "../voronoi_diagram.hpp"
 #include "cell_bound.hpp"
+#include "hidden_objects.hpp"
 #include "image_tree.hpp"
 
 namespace vcell::whole {
@@ -19,16 +20,6 @@ void validate_diagram(const DiagramScene& scene);
 /// Where the box repeats coordinates become multiples of one power of two, few enough digits that sums of
 /// several edges are exact. Returns a bound on the distance that they were moved by. Pre: validated.
 double snap_to_grid(DiagramScene& scene);
-
-/// A ball that holds another one, touching it from within included, has this or less between its surface and
-/// the other one's centre.
-double depth_in_holder(const Sphere& ball);
-/// For each object why it has no cell, empty where it has one: a ball in another one is nowhere nearer; nor
-/// is one of several equal balls, which go to the first. Messages have `numbers` in place of places where
-/// there are any. Pre: the balls are those of the scene by their places, and on its grid; an object whose
-/// holders are not all among them is wrongly said to have a cell.
-std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
-                                     const ImageTree& balls);
 
 /// What is known of a scene that is too large to be known everywhere.
 struct ScenePart {
@@ -60,7 +51,7 @@ public:
     }
     /// Are all objects balls, and known, and do cells end nowhere but between them and at the box?
     bool is_simple() const { return others_.empty() && is_whole() && !scene().probe; }
-    /// Objects that are no balls, ascending.
+    /// Objects that are no balls and are not hidden, ascending.
     const std::vector<std::uint32_t>& others() const { return others_; }
     /// All balls that are not hidden, by their places.
     const ImageTree& balls() const { return balls_; }

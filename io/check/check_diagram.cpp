@@ -233,27 +233,30 @@ private:
             });
     }
 
-    // Is it a ball without a cell that lies in another object, beyond a vessel's wall, or in an equal ball of
+    // Is it an object without a cell that lies in another one, beyond a vessel's wall, or in an equal one of
     // a lower number? There it owns nothing.
     bool is_hidden(std::uint32_t i) const { return std::ranges::binary_search(hidden_, i); }
 
     void find_hidden() {
-        for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i) {
-            if (!is_ball(i) || !has_no_cell(i)) continue;
+        const std::vector<Object>& objects = diagram_.scene.objects;
+        for (std::uint32_t i = 0; i < objects.size(); ++i) {
+            if (is_vessel(objects[i]) || !has_no_cell(i)) continue;
             const auto holds = [&](const Candidate& found) {
-                return check::contains(found.shape, ball(i)) &&
-                       (found.object.number < i || !check::contains(ball(i), found.shape));
+                return check::contains(found.shape, objects[i]) &&
+                       (found.object.number < i || !check::contains(objects[i], found.shape));
             };
-            const Candidates near = candidates(i, 0);
+            const Candidates near = is_ball(i) ? candidates(i, 0) : all_but(i);
             if (near.lack.empty() && std::ranges::any_of(near.found, holds)) hidden_.push_back(i);
         }
     }
 
     void check_without_cells() {
         for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i) {
-            if (!is_ball(i) || !has_no_cell(i)) continue;
+            if (!has_no_cell(i)) continue;
             if (is_hidden(i))
                 certificate_.prove(cell_name(i));
+            else if (!is_ball(i))
+                continue;
             else if (is_lacking(i))
                 is_one_left_out_ = true;
             else if (const std::string lack = candidates(i, 0).lack; !lack.empty())
@@ -290,6 +293,7 @@ private:
     }
     // Has an object that is no ball all of its cells here?
     bool is_whole(std::uint32_t i) const {
+        if (is_hidden(i)) return true;
         const auto cells =
             std::ranges::equal_range(diagram_.cells, i, {}, [](const auto& c) { return c.first; });
         const auto* plane = std::get_if<Plane>(&diagram_.scene.objects[i]);
@@ -325,7 +329,7 @@ private:
     const unsigned threads_;
     const check::NearBalls balls_;
     std::vector<std::pair<std::uint32_t, check::Surface<Interval>>> others_;  // that are no balls
-    std::vector<std::uint32_t> hidden_;  // balls without a cell that lie in something, ascending
+    std::vector<std::uint32_t> hidden_;  // without a cell, as they lie in something, ascending
     double rounding_ = 0;                // of points, in the scene's unit
     bool is_one_left_out_ = false;       // a ball that has no cell, though it may own something
     Certificate certificate_;

@@ -383,6 +383,55 @@ TEST_CASE("voronoi_diagram: balls in balls and equal balls have no cell") {
     }
 }
 
+TEST_CASE("voronoi_diagram: of equal points in the origin the first one has a cell") {
+    DiagramScene scene;
+    scene.box = {Vec3::Constant(-1), Vec3::Constant(1)};
+    scene.objects = {Sphere{{0, 0, 0}, 0}, Sphere{{0, 0, 0}, 0}, Sphere{{0.5, 0, 0}, 0}};
+    for (const bool is_periodic : {false, true}) {
+        scene.periodic = {is_periodic, is_periodic, is_periodic};
+        const VoronoiDiagram diagram = voronoi_diagram(scene);
+        check_whole(scene, diagram);
+        CHECK(diagram.cells[0].state == State::Computed);
+        CHECK(diagram.cells[1].state == State::Empty);
+        CHECK(diagram.cells[1].reason == "equals object 0");
+    }
+}
+
+TEST_CASE("voronoi_diagram: what lies in a tube or a plane, and equal tubes and planes, have no cell") {
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Constant(4)};
+    const std::vector<std::pair<Object, std::string>> all{
+        {Cylinder{{0, 1, 1}, {1, 0, 0}, 0.5}, ""},
+        {Cylinder{{4, 1, 1}, {-2, 0, 0}, 0.5}, "equals object 0"},
+        {Cylinder{{1, 1, 1.25}, {3, 0, 0}, 0.25}, "lies in object 0"},  // touches it from within
+        {Sphere{{2, 1.25, 1}, 0.25}, "lies in object 0"},
+        {Sphere{{2, 1, 1}, 0.5}, "lies in object 0"},
+        {Plane{{0, 0, 3}, {0, 0, 1}}, ""},
+        {Plane{{1, 1, 3}, {0, 0, -2}}, "equals object 5"},
+        {Sphere{{1, 2, 3}, 0}, "lies in object 5"},
+        {Cylinder{{0, 3, 3}, {1, 1, 0}, 0}, "lies in object 5"},
+        {Sphere{{2, 3, 1.5}, 0.5}, ""},
+        {Sphere{{1, 3, 1.5}, 0.25}, ""}};
+    for (const auto& [object, reason] : all) scene.objects.push_back(object);
+    DiagramOptions options;
+    options.bodies = true;
+    const VoronoiDiagram diagram = voronoi_diagram(scene, options);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        CAPTURE(i);
+        CHECK(diagram.cells[i].reason == all[i].second);
+        CHECK(diagram.cells[i].state == (all[i].second.empty() ? State::Computed : State::Empty));
+    }
+    check_whole(scene, diagram);
+    const FilledVolume bodies = body_volume(scene, diagram);
+    const double expected = std::numbers::pi * (4 * 0.25 + 4.0 / 3 * (0.125 + 0.015625));
+    CHECK(std::abs(bodies.volume - expected) <= bodies.error + 1e-13);
+    // Moved out of the others an object has a cell again.
+    VoronoiDiagram moved = diagram;
+    update(moved, scene, 2, Cylinder{{1, 1, 2.5}, {3, 0, 0}, 0.25}, options);
+    CHECK(moved.cells[2].state == State::Computed);
+    check_whole(scene, moved);
+}
+
 TEST_CASE("voronoi_diagram: planes, tubes, lines and balls fill a box together") {
     std::mt19937_64 rng(test_seed());
     DiagramScene scene = random_balls(rng, 12, 0.0, 0.05);

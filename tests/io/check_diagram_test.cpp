@@ -90,6 +90,32 @@ TEST_CASE("check of a diagram: what is damaged is objected to") {
     }
 }
 
+TEST_CASE("check of a diagram: tubes and planes that others hold own nothing") {
+    DiagramScene scene;
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    scene.objects = {Cylinder{{0, 0.5, 0}, {1, 0, 0}, 0.25},
+                     Cylinder{{1, 0.5, 0}, {-2, 0, 0}, 0.25},
+                     Cylinder{{0, 0.5, 0.125}, {1, 0, 0}, 0.125},
+                     Sphere{{1, 0.5, 0}, 0.25},
+                     Plane{{0, 0, 1.5}, {0, 0, 1}},
+                     Plane{{1, 1, 1.5}, {0, 0, -3}},
+                     Cylinder{{0, 1, 1.5}, {1, 1, 0}, 0},
+                     Sphere{{0, -1, 0}, 0.5},
+                     Sphere{{0.5, -1, -1}, 0.25}};
+    const StoredDiagram whole = stored(scene, true);
+    CHECK(whole.lacking.empty());
+    const Certificate good = certify(whole);
+    check_proved(good);
+    CHECK(good.elements.back().what.find("no cell here") == std::string::npos);
+    for (const std::uint32_t hidden : {1, 2, 3, 5, 6})
+        CHECK(has_verdict(good, "cells[" + std::to_string(hidden) + "]", Verdict::proved));
+    StoredDiagram moved = whole;
+    std::get<Cylinder>(moved.scene.objects[2]).point.z() = 0.126;
+    const Certificate bad = certify(moved);
+    CHECK_FALSE(has_verdict(bad, "cells[2]", Verdict::proved));
+    CHECK_FALSE(bad.holds());
+}
+
 TEST_CASE("diagram file: what is none, or without balls, is refused") {
     CHECK_FALSE(parse_diagram(R"({"vcell": 1, "scene": {}})"));
     const auto path_of = [](const std::string& text) {
