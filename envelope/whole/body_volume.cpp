@@ -163,6 +163,17 @@ double nearest_along(const Object& object, const BodyRay& ray, double radius) {
         return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction.cross(a)), -along * along,
                      reach);
     }
+    if (const auto* vessel = std::get_if<HollowCone>(&object)) {
+        // Behind the apex C > 0 is that of the wall's other half.
+        const Vec3 w = vessel->axis.stableNormalized(), m = ray.from - vessel->apex,
+                   across = m - m.dot(w) * w;
+        const double sine = vessel->sine(), cosine = vessel->cosine(), along = ray.direction.dot(w),
+                     reach = sine * m.dot(w) + radius, out = cosine * across.norm();
+        if (!(reach > 0)) return 0;
+        return first((reach - out) * (reach + out),
+                     reach * (1 - sine * along) + cosine * cosine * across.dot(ray.direction),
+                     -(along - sine) * (along - sine), reach);
+    }
     return never;
 }
 
@@ -358,12 +369,6 @@ bool bodies_overlap(const Sphere& a, const Sphere& b) {
     return (dot(d, d) - sum * sum).sign() == Sign::Negative;
 }
 
-bool are_equal_tubes(const Cylinder& a, const Cylinder& b) {
-    if (a.radius != b.radius) return false;
-    const ExactVector axis(scaled_axis(a.axis)), way = ExactVector(b.point) - ExactVector(a.point);
-    return cross(axis, ExactVector(scaled_axis(b.axis))).is_zero() && cross(axis, way).is_zero();
-}
-
 // Sides that a ball does not cut are moved out of its way: touching ones would be ties.
 Box room_of(const Sphere& ball, const Box& box, bool& is_cut) {
     Box room = box;
@@ -432,10 +437,6 @@ BodyVolume tube_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
         if (const auto* ball = std::get_if<Sphere>(&o)) {
             distance = (ball->center - tube.point).cross(axis).norm() - ball->radius;
         } else if (const auto* other = std::get_if<Cylinder>(&o)) {
-            if (are_equal_tubes(tube, *other)) {
-                if (x < object) return {};  // it is the first one's
-                continue;
-            }
             const Vec3 a = other->axis.stableNormalized(), normal = axis.cross(a),
                        way = other->point - tube.point;
             const double sine = normal.norm();

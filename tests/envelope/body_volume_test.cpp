@@ -105,7 +105,7 @@ void check_against_samples(const DiagramScene& scene, std::mt19937_64& rng, doub
     for (std::size_t i = 0; i < sampled.size(); ++i) {
         CAPTURE(i);
         const DiagramCell& cell = diagram.cells[i];
-        if (cell.state == State::Empty) continue;
+        if (cell.state == State::Empty || cell.state == State::Wall) continue;
         REQUIRE(cell.state == State::Computed);
         const double part = cell.body_volume / box, deviation = box * std::sqrt(part * (1 - part) / samples);
         CHECK(std::abs(cell.body_volume - sampled[i]) <= cell.body_error + 6 * deviation + 1e-12 * box);
@@ -233,6 +233,31 @@ TEST_CASE("bodies: tubes that are in each other, or cut each other so deep that 
                 Cylinder{{1, 2, 2}, {-1, 0, 0}, r}, Sphere{{2, 2, 2.1}, 0.2}},
                1e-4);
     CHECK(std::abs(inner - pi * r * r * edge) <= doubt_of_inner);
+}
+
+TEST_CASE("bodies: balls and tubes that overlap the wall of a hollow cone") {
+    std::mt19937_64 rng(test_seed());
+    const HollowCone wall{{2, 2, 0.5}, {0, 0, 1}, 3, 5};
+    const Sphere ball{{2, 2, 1.5}, 0.8};
+    // In a direction from the ball's centre, c the cosine of its angle with the axis, up to where the wall is
+    // as near.
+    const double expected = 2 * pi * integral_between(-1, 1, [&](double c) {
+                                const Vec3 u(std::sqrt(1 - c * c), 0, c);
+                                double in = 0, out = ball.radius;
+                                for (int k = 0; k < 60; ++k) {
+                                    const double t = 0.5 * (in + out);
+                                    const bool is_nearer =
+                                        t - ball.radius <= distance_from(wall, ball.center + t * u);
+                                    (is_nearer ? in : out) = t;
+                                }
+                                return in * in * in / 3;
+                            });
+    CHECK(expected < 0.95 * ball_volume(ball.radius));
+    check_body(with_bodies(scene_in(4, {ball, wall})).cells[0], expected, 1e-3);
+    check_against_samples(
+        scene_in(4, {Sphere{{1.4, 2, 1.25}, 0.6}, Sphere{{2.3, 2.5, 2.5}, 0.5}, Sphere{{2, 2, 0.25}, 0.5},
+                     Cylinder{{2.5, 1.5, 0}, {0.25, 0.125, 1}, 0.25}, wall}),
+        rng, 1e-3);
 }
 
 TEST_CASE("bodies: random scenes against sampled points") {
