@@ -36,7 +36,8 @@ std::vector<Tip> tips_of(const Space<Interval>& space, const Object& object) {
     std::vector<Tip> tips;
     for (const Interval& k : places) {
         const Interval reach = vessel.sine * k + rho;
-        if (reach.upper() < 0 || (vessel.is_cone && k.upper() < 0)) continue;
+        // Behind a cone's apex one in the base's centre or axis is none: these are beyond the wall there.
+        if (reach.upper() < 0 || (vessel.is_cone && k.upper() < 0 && !(reach.lower() > 0))) continue;
         tips.push_back({point + k * w, reach});
     }
     return tips;

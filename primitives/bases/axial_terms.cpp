@@ -71,7 +71,8 @@ std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form
     for (const double h : both) {
         const double far = sine * h + reach;
         const Vec3 out = q + h * a;
-        if (std::isfinite(far) && far > 0 && (sine == 0 || h > 0) && out.norm() > 0)
+        // A cone's may be behind its apex, from which a wall is no farther than it is less than nothing away.
+        if (std::isfinite(far) && far > 0 && out.norm() > 0)
             tips.push_back({(1 - along) * (point.y() + h * axis.y()), far, out.normalized(), h == both[1]});
     }
     return tips;

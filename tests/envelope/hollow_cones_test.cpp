@@ -52,6 +52,33 @@ double simpson(double from, double to, F f) {
     return sum * (to - from) / parts / 3;
 }
 
+TEST_CASE("hollow cones: the bisector of a ball that reaches behind the apex has a tip there, too") {
+    for (const double h : {0.25, 0.0, -0.25, -0.75}) {
+        const OnAxis ball{0.6, 0.8, 0.5, h};
+        // With theta the angle from the axis the wall is as near at P / (1 - S cos theta + K sin theta).
+        const auto along = [&](double theta) {
+            return (ball.S * h + ball.R0) / (1 - ball.S * std::cos(theta) + ball.K * std::sin(theta));
+        };
+        const double volume = simpson(
+            0, pi, [&](double theta) { return 2 * pi / 3 * std::pow(along(theta), 3) * std::sin(theta); });
+        const double area = simpson(0, pi, [&](double theta) {
+            const double rise =
+                (ball.S * std::sin(theta) + ball.K * std::cos(theta)) * along(theta) / (ball.S * h + ball.R0);
+            return 2 * pi * std::pow(along(theta), 2) * std::sin(theta) * std::hypot(1, rise);
+        });
+        for (const bool patches : {false, true}) {
+            CAPTURE(h);
+            CAPTURE(patches);
+            CellOptions options;
+            options.patches = patches;
+            const Cell cell = voronoi_cell(ball.scene(-4, 4, 4), options);
+            CHECK(cell.faces.size() == 1);
+            CHECK(std::abs(cell.measures.volume - volume) <= cell.measures.volume_error + 1e-6 * volume);
+            CHECK(std::abs(cell.measures.area - area) <= cell.measures.area_error + 1e-6 * area);
+        }
+    }
+}
+
 TEST_CASE("hollow cones: all around a ball on the axis, between sides of the box") {
     const OnAxis ball{0.6, 0.8, 0.5, 2};
     const double low = 1.375, high = 3;
