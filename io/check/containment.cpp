@@ -83,9 +83,28 @@ bool contains(const HollowCylinder& holder, const Cylinder& held) {
     return may_be_parallel(holder.axis, held.axis) && contains(holder, Sphere{held.point, held.radius}) &&
            squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero;
 }
+bool contains(const HollowSphere& holder, const Cylinder& held) {
+    const Vector<Exact> axis = exact(held.axis);
+    return reaches(squared_sine(from(held.point, holder.center), axis), holder.radius, held.radius,
+                   dot(axis, axis));
+}
+bool contains(const HollowSphere& holder, const Plane& held) {
+    const Vector<Exact> normal = exact(held.normal);
+    const Exact height = dot(normal, from(held.point, holder.center));
+    return reaches(height * height, holder.radius, 0, dot(normal, normal));
+}
+bool contains(const HollowCylinder& holder, const Plane& held) {
+    return are_orthogonal(exact(held.normal), exact(holder.axis)) &&
+           contains(HollowSphere{holder.point, holder.radius}, held);
+}
 bool contains(const HollowSphere& holder, const HollowSphere& held) {
     const Vector<Exact> way = from(holder.center, held.center);
     return fits(dot(way, way), held.radius, holder.radius, 1.0);
+}
+bool contains(const HollowSphere& holder, const HollowCylinder& held) {
+    const Vector<Exact> axis = exact(held.axis);
+    return fits(squared_sine(from(held.point, holder.center), axis), held.radius, holder.radius,
+                dot(axis, axis));
 }
 bool contains(const HollowCylinder& holder, const HollowCylinder& held) {
     return contains(Cylinder{held.point, held.axis, held.radius},
@@ -154,6 +173,24 @@ bool is_behind(const Plane&, const Vessel&) {
 
 bool contains(const Object& holder, const Object& held) {
     return std::visit([](const auto& a, const auto& b) { return contains(a, b); }, holder, held);
+}
+
+bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side) {
+    const auto axis = static_cast<Eigen::Index>(side / 2);
+    const double bound = (side % 2 == 0 ? scene.box.min : scene.box.max)[axis];
+    // The image has to be told by a double, and what it is the image of inside the side.
+    const auto mirror = [&](double& x) {
+        const bool is_inside = side % 2 == 0 ? x > bound : x < bound;
+        const double image = 2 * bound - x;
+        const bool is_exact = (Exact(image) + Exact(x) - 2.0 * Exact(bound)).sign() == Sign::Zero;
+        x = image;
+        return is_inside && is_exact;
+    };
+    Object image = scene.base;
+    if (auto* ball = std::get_if<Sphere>(&image))
+        return mirror(ball->center[axis]) && contains(holder, image);
+    auto* tube = std::get_if<Cylinder>(&image);
+    return tube != nullptr && tube->axis[axis] == 0 && mirror(tube->point[axis]) && contains(holder, image);
 }
 
 bool base_contains(const Object& base, const Object& held) {

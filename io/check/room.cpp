@@ -22,6 +22,10 @@ void Room::rivals(const Vec3& p, double reach, std::span<const Condition> own,
 }
 
 bool Room::is_held(const Site& site, std::span<const Condition> own) const {
+    if (site.kind == Site::Kind::BoxSide)
+        return std::ranges::any_of(own, [&](const Condition& c) {
+            return c.site.is_object() && contains_mirrored(scene_.objects[c.site.index], scene_, site.index);
+        });
     if (!site.is_object()) return false;
     const Object& object = scene_.objects[site.index];
     return base_contains(scene_.base, object) || std::ranges::any_of(own, [&](const Condition& c) {
