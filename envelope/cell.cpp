@@ -70,20 +70,23 @@ Cell with_cap_as_object(Cell cell) {
     rename(cell, Site::cap(), cap);
     // Neighbours come by their faces' areas. The others stay in the order in which they are, which may be
     // wrong.
+    const auto is_owned = [](const CellFace& f, Site site) {
+        return f.site == site || std::ranges::count(f.extra_sites, site) > 0;
+    };
     const auto area_of = [&](std::uint32_t object) {
         double area = 0;
         for (const CellFace& f : cell.faces)
-            if (f.site == Site::object(object) || std::ranges::count(f.extra_sites, Site::object(object)) > 0)
-                area += f.area;
+            if (is_owned(f, Site::object(object))) area += f.area;
         return area;
     };
     double area = 0;
     bool has_face = false;
     for (const CellFace& f : cell.faces) {
-        if (f.site != cap) continue;
+        if (!is_owned(f, cap)) continue;
         has_face = true;
         if (cell.measures.area == not_measured) continue;
         area += f.area;
+        if (f.site != cap) continue;
         cell.measures.area += f.area;
         cell.measures.area_error +=
             f.area_error + std::numeric_limits<double>::epsilon() * cell.measures.area;

@@ -4,7 +4,7 @@
 #include <climits>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -57,13 +57,10 @@ Object cap_of(const Object& base, double probe) {
 }
 
 Scene with_cap(Scene scene) {
-    // Numbers are ascending.
-    constexpr std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
     scene.objects.push_back(cap_of(scene.base, *scene.probe));
-    scene.names.resize(scene.objects.size());
-    scene.names.back() = "the cap";
-    if (!scene.numbers.empty()) scene.numbers.push_back(last);
-    if (!scene.images.empty()) scene.images.push_back({last, {0, 0, 0}});
+    if (!scene.names.empty()) scene.names.emplace_back();
+    if (!scene.numbers.empty()) scene.numbers.push_back(Site::number_of_cap);
+    if (!scene.images.empty()) scene.images.push_back({Site::number_of_cap, {0, 0, 0}});
     return scene;
 }
 
@@ -85,7 +82,14 @@ DecidedScene decide(const Scene& scene) {
                 decided.moved = std::max(decided.moved, 0x1p-1074);
             x = scaled;
         });
-    if (scene.probe) decided.scene = with_cap(std::move(decided.scene));
+    if (!scene.probe) return decided;
+    // Messages know the cap by its number.
+    std::vector<std::uint32_t>& numbers = decided.scene.numbers;
+    if (numbers.empty()) {
+        numbers.resize(scene.objects.size());
+        std::iota(numbers.begin(), numbers.end(), 0u);
+    }
+    decided.scene = with_cap(std::move(decided.scene));
     return decided;
 }
 

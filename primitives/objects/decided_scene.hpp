@@ -15,7 +15,7 @@
 namespace vcell {
 
 struct DecidedScene {
-    Scene scene;      ///< lengths over `unit`; with a probe the cap is its last object
+    Scene scene;      ///< lengths over `unit`; with a probe the cap is its last object, Site::number_of_cap
     double unit = 1;  ///< a power of two, in the scene's own unit of length
     double moved =
         0;  ///< what that has rounded, in `unit`: nothing, but for numbers below 2^-1000 of the extent

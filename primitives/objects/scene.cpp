@@ -193,6 +193,7 @@ std::string object_path(const Scene& scene, std::size_t object, const std::strin
 }
 
 std::string object_title(const Scene& scene, std::size_t object) {
+    if (scene.number(object) == Site::number_of_cap) return "the cap";
     std::string title = "object " + (object < scene.images.size() ? to_string(scene.images[object])
                                                                   : std::to_string(scene.number(object)));
     if (object < scene.names.size() && !scene.names[object].empty())

@@ -13,6 +13,9 @@ namespace vcell {
 struct Site {
     enum class Kind : std::uint8_t { Object, Base, BoxSide, End, Cap };
 
+    /// Of the object that a cap is where a scene is decided about (decided_scene.hpp).
+    static constexpr std::uint32_t number_of_cap = UINT32_MAX;
+
     Kind kind = Kind::Base;
     /// Object: index into Scene::objects. BoxSide: 0..5 = -x +x -y +y -z +z. End: 0 = '-', 1 = '+'.
     std::uint32_t index = 0;

@@ -66,6 +66,43 @@ TEST_CASE("probe cells: over every base they are certified, and refuted where th
     }
 }
 
+TEST_CASE(
+    "probe cells: an object that is the cap is merged with it, and one that touches it nowhere nearer") {
+    const Cylinder tube{{1, 0, 0}, {0, 0, 1}, 0.5};
+    std::vector<Scene> merged(3), touching(3);
+    merged[0].base = Sphere{{0, 0, 0}, 0.5};
+    merged[0].objects = {HollowSphere{{0, 0, 0}, 2}};
+    merged[1].base = tube;
+    merged[1].objects = {HollowCylinder{{1, 0, 3}, {0, 0, -2}, 2}};
+    merged[2].base = Plane{{0, 0, -1.5}, {0, 0, 1}};
+    merged[2].objects = {Plane{{0, 0, 0}, {0, 0, -1}}};
+    // A plane that the bisector of a tube touches along a line, a tube and a plane beyond a sphere.
+    touching[0].base = touching[1].base = tube;
+    touching[0].objects = {Plane{{3, 0, 0}, {1, 0, 0}}};
+    touching[1].objects = {Cylinder{{3.5, 0, 0}, {0, 0, 1}, 0.5}};
+    touching[2].base = merged[0].base;
+    touching[2].objects = {Plane{{2, 0, 0}, {1, 0, 0}}, Cylinder{{0, 3, 0}, {0, 0, 1}, 1}};
+    for (const bool is_merged : {true, false})
+        for (Scene& scene : is_merged ? merged : touching) {
+            CAPTURE(is_merged);
+            CAPTURE(scene.base.index());
+            scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
+            scene.probe = 0.75;
+            const Cell cell = voronoi_cell(scene);
+            const Certificate c = certify(cell);
+            CHECK_MESSAGE(c.holds(), listing(c));
+            CHECK(cell.neighbors ==
+                  (is_merged ? std::vector<std::uint32_t>{0} : std::vector<std::uint32_t>{}));
+            if (!is_merged) continue;
+            CHECK(cell.report.warnings ==
+                  std::vector<std::string>{
+                      "object 0 and the cap: the same distance from the base everywhere, merged"});
+            CHECK(std::ranges::any_of(cell.faces, [](const CellFace& f) {
+                return f.site == Site::object(0) && f.extra_sites == std::vector<Site>{Site::cap()};
+            }));
+        }
+}
+
 TEST_CASE("probe cells: files, meshes and queries know the cap") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> place(-2.25, 2.25);
