@@ -28,6 +28,7 @@ struct Sector {
     double from, to;
     RadialPatch patch;
 
+    double width() const { return to - from; }
     /// u at its end, and -u at its start.
     double reach() const { return std::tan(0.25 * (to - from)); }
 };

@@ -244,6 +244,8 @@ void FaceSurfaces::halve_for_trims() {
 
 bool FaceSurfaces::make_cut(FaceId face) {
     constexpr int most_failures = 3;
+    // Of a half about the axis of a surface of revolution the weight in the middle is none but for rounding.
+    constexpr double wide = 2.5;
     const std::span<const Sector> sectors = patches_.sectors(face);
     Cut& cut = cuts_[face];
     std::vector<double> reaches;
@@ -265,11 +267,12 @@ bool FaceSurfaces::make_cut(FaceId face) {
         const RadialPatch& patch = sectors[part.sector].patch;
         double rounding = 0;
         auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
-        if (!surface) {
+        if (surface && rounding > enough_digits()) rounding = rounding_along(patch, box, part.loops);
+        const bool is_blurred = rounding > fits_.tolerance() && sectors[part.sector].width() > wide;
+        if (!surface || is_blurred) {
             cut.is_too_wide[part.sector] = true;
             continue;
         }
-        if (rounding > enough_digits()) rounding = rounding_along(patch, box, part.loops);
         roundings_[face] = std::max(roundings_[face], rounding);
         surfaces_[face].push_back({std::move(*surface), std::move(part.loops)});
     }

@@ -8,9 +8,11 @@ namespace vcell {
 ConeForm::ConeForm(const HollowCone& cone) : apex(cone.apex) {
     int exponent = 0;
     std::frexp(cone.slant, &exponent);
-    const ExactVector axis(scaled_axis(cone.axis));
-    a = Exact(cone.radius).scaled(-exponent) * axis;
-    g = Exact(cone.slant).scaled(-exponent) * length_of(axis);
+    axis = ExactVector(scaled_axis(cone.axis));
+    rim = Exact(cone.radius).scaled(-exponent);
+    slant = Exact(cone.slant).scaled(-exponent);
+    a = rim * axis;
+    g = slant * length_of(axis);
     N = dot(a, a);
 }
 

@@ -19,6 +19,8 @@ namespace vcell {
 struct ConeForm {
     ExactVector apex, a;
     Exact g, N;
+    ExactVector axis;  ///< a = rim axis and g = slant |axis|, rim and slant being in the ratio of a cone's
+    Exact rim, slant;
 
     /// |axis| is told by two doubles, as |n| of planes is.
     explicit ConeForm(const HollowCone& cone);

@@ -279,14 +279,25 @@ private:
                 HollowCone cone = std::get<HollowCone>(scene_.objects[i]);
                 const ConeForm& f = objects_.hollow_cones.of(i);
                 cone.apex = motion_.to_canonical(cone.apex);
-                cone.axis = frame_.rounded(frame_.turned(ExactVector(scaled_axis(cone.axis))));
+                cone.axis = forms_.is_along_base(f.axis)
+                                ? Vec3((forms_.points_along(f.axis) ? 1.0 : -1.0) * Vec3::UnitY())
+                                : frame_.rounded(frame_.turned(f.axis));
                 add(site, cone, forms_.hollow_form(f));
             }
         }
+        // A side may touch what is nearer to the base than to a vessel along it, all along a line.
+        std::vector<RadialForm> walls;
+        for (const Entry& e : entries)
+            if (std::holds_alternative<HollowCylinder>(e.canonical) && !e.form.has_root())
+                walls.push_back(e.form);
         for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             const Side side = this->side(canonical.index);
-            if (!side.is_across_axis() && sides_[canonical.index] == CylinderPart::Wall::Inside)
-                add(side.site, Plane{canonical.k * canonical.m, canonical.m}, forms_.form(side));
+            if (side.is_across_axis() || sides_[canonical.index] != CylinderPart::Wall::Inside) continue;
+            const RadialForm f = forms_.form(side);
+            if (!side.is_along_axis() || std::ranges::none_of(walls, [&](const RadialForm& wall) {
+                    return CylinderForms::is_nowhere_nearer(f, wall);
+                }))
+                add(side.site, Plane{canonical.k * canonical.m, canonical.m}, f);
         }
         for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             if (sides_[canonical.index] != CylinderPart::Wall::Beyond) continue;
@@ -330,6 +341,7 @@ private:
 
     RadialBaseProblem make_problem() {
         RadialBaseProblem problem;
+        problem.given_base = base_;
         FoundForms found(scene_);
         std::vector<Entry> entries = all_entries();
         std::vector<RadialForm> forms;
@@ -360,7 +372,9 @@ private:
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
-            found.add(e.sites.front(), e.canonical);
+            const Site own = e.sites.front();
+            found.add(own, e.canonical);
+            problem.given.push_back(own.is_object() ? scene_.objects[scene_.place(own.index)] : e.canonical);
             for (const Site site : std::span(e.sites).subspan(1)) found.join(site, e.id);
             if (e.is_of_floor) problem.floor.push_back(e.id);
             problem.family.radial.push_back(CylinderForms::turned(e.form));

@@ -173,6 +173,7 @@ struct CylinderForms {
     // radial_form.hpp's equation of a cone, times g^4 sin^2 norm^2, as sphere_forms.hpp has it, with the way
     // from the apex to the axis point over y in the place of that to the centre.
     RadialForm hollow_form(const ConeForm& f) const {
+        if (is_along_base(f.axis)) return hollow_along_base(f);
         const ExactVector D = ExactVector(frame.origin) - f.apex, way = frame.turned(D),
                           axis = frame.turned(f.a);
         const Exact &n = frame.norm, &g = f.g, &N = f.N, n2 = n * n, rest = N * (g * g - N),
@@ -186,6 +187,24 @@ struct CylinderForms {
                           {g * axis.x, Exact(), g * axis.z}};
         hollow.is_hollow = true;
         hollow.a0 = -(n * N);
+        return hollow;
+    }
+    // The same with an axis that turns with that of the base to (0, +-rim, 0), |axis| being 1 then, in
+    // lengths that are times T.
+    RadialForm hollow_along_base(const ConeForm& f) const {
+        const ExactVector D = ExactVector(frame.origin) - f.apex;
+        const Exact length2 = dot(f.axis, f.axis), T = frame.norm * length2, &g = f.slant, N = f.rim * f.rim;
+        const ExactVector near = frame.turned(length2 * D - dot(D, f.axis) * f.axis);
+        const Exact y = length2 * frame.turned(D).y, rise = points_along(f.axis) ? g * f.rim : -(g * f.rim),
+                    rho = T * radius, rest = N * (g * g - N), lean = rise * y + N * rho;
+        RadialForm hollow{{lean * lean - rest * (near.x * near.x + near.z * near.z + y * y - rho * rho),
+                           2.0 * T * (lean * rise - rest * y), T * T * (rise * rise - rest)},
+                          T * N * (rise * y + g * g * rho),
+                          -(T * rise),
+                          {T * rest * near.x, Exact(), T * rest * near.z},
+                          {}};
+        hollow.is_hollow = true;
+        hollow.a0 = -(T * N);
         return hollow;
     }
     RadialForm form(const CylinderForm& f, const Exact& delta) const {
@@ -224,13 +243,26 @@ struct CylinderForms {
                 {b.x, Exact(), b.z},
                 {}};
     }
+    // Is f nowhere nearer than g, of forms that are the same all along the axis? Q = 2 B / C of g is more
+    // than that of f by 2 (D W + V.n) / (C C'), which is no less than D - |V| times 2 W / (C C').
+    static bool is_nowhere_nearer(const RadialForm& f, const RadialForm& g) {
+        const Exact D = g.b0 * f.c[0] - f.b0 * g.c[0], x = g.b[0] * f.c[0] - f.b[0] * g.c[0],
+                    z = g.b[2] * f.c[0] - f.b[2] * g.c[0];
+        return D.sign() != Sign::Negative && (D * D - x * x - z * z).sign() != Sign::Negative;
+    }
     static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
 
     // Parallel to what the base's axis turns to, before or after rounding.
-    bool is_along_base(const CylinderForm& f) const {
-        const ExactVector a = direction(f), image = frame.turned(a);
+    bool is_along_base(const CylinderForm& f) const { return is_along_base(direction(f)); }
+    bool is_along_base(const ExactVector& a) const {
+        const ExactVector image = frame.turned(a);
         return (image.x.sign() == Sign::Zero && image.z.sign() == Sign::Zero) ||
                cross(a, ExactVector(frame.along)).is_zero();
+    }
+
+    // The one way, or the other way? Pre: along the base.
+    bool points_along(const ExactVector& a) const {
+        return dot(a, ExactVector(frame.along)).sign() == Sign::Positive;
     }
 
     // The chart is turned about the axis, u = chart n / W, by an angle that no input favours: a symmetric

@@ -72,7 +72,7 @@ std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
     const double radius = problem.chart.radius;
     if (!problem.chart.is_sphere()) {
         if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
-        return to_string(bisector(Cylinder{Vec3::Zero(), Vec3::UnitY(), radius}, object).kind);
+        return to_string(bisector(problem.given_base, problem.given[form]).kind);
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object))
         return to_string(vessel->center.isZero(0) ? BisectorKind::Sphere : BisectorKind::Ellipsoid);

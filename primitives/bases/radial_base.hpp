@@ -42,7 +42,7 @@ namespace vcell {
 ///
 /// Sphere: the frame's R is the identity, its origin the centre. Cylinder: the axis becomes the y axis, the
 /// origin is its foot of the box's centre, or in general the base's point where that is within a diagonal of
-/// the box; the axis turns by a few 2^-53, unless its length is a double, and the cylinders along it turn
+/// the box; the axis turns by a few 2^-53, unless its length is a double, and tubes and cones along it turn
 /// with it.
 struct RadialBaseProblem : BaseProblem {
     /// Cylinder: the base points' range of y, canonical. Over a box in world axes it is the longest stretch
@@ -53,6 +53,10 @@ struct RadialBaseProblem : BaseProblem {
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward
     /// normal, the cap itself a Sphere about the base's centre.
     IdVector<FormId, Object> objects;
+    /// Over a cylinder: the base and the objects of forms as the decided scene has them, in no motion's
+    /// rounding. Of sides of the box as above.
+    Cylinder given_base;
+    IdVector<FormId, Object> given;
     /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than
     /// the nearer of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no
     /// form.

@@ -523,5 +523,76 @@ TEST_CASE("tubes in vessels: a face about a hidden tip has measures, but no patc
     CHECK(cell.measures.volume == doctest::Approx(sampled_cell(scene, 40)).epsilon(6e-3));
 }
 
+TEST_CASE("tubes in vessels: a side of the box that touches the cell all along a line has no face") {
+    const Box box{Vec3::Constant(-3), Vec3::Constant(3)};
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0, 3, 4), Vec3(0, 1, 2)})
+        for (const double radius : {0.0, 0.5})
+            for (const bool is_cap : {false, true}) {
+                CAPTURE(axis.transpose());
+                CAPTURE(radius);
+                CAPTURE(is_cap);
+                // What is as near to the wall touches the side +x. A box that is wider there has the same
+                // cell, but for where a line's ends.
+                const double reach = 2;
+                const Cylinder base{{1, 0, 0}, axis, radius};
+                Scene scene = scene_of(base, {}, box);
+                if (is_cap)
+                    scene.probe = reach - radius;
+                else
+                    scene.objects = {HollowCylinder{{1, 0, 0}, -2 * axis, 2 * reach - radius}};
+                const Cell cell = voronoi_cell(scene);
+                CHECK(std::ranges::count(cell.faces, Site::box_side(1), &CellFace::site) == 0);
+                Scene wide = scene;
+                wide.box.max.x() = 4;
+                CHECK(cell.measures.volume ==
+                      doctest::Approx(voronoi_cell(wide).measures.volume).epsilon(1e-6));
+                CHECK(complete_measures(scene).volume ==
+                      doctest::Approx(complete_measures(wide).volume).epsilon(1e-6));
+                // Where the wall is a little farther the side has a face.
+                (is_cap ? *scene.probe : std::get<HollowCylinder>(scene.objects[0]).radius) += 1e-3;
+                CHECK(std::ranges::count(voronoi_cell(scene).faces, Site::box_side(1), &CellFace::site) > 0);
+            }
+}
+
+TEST_CASE("tubes in vessels: bisectors are named by what objects are to each other, however the tube leans") {
+    const std::vector<std::pair<Vec3, double>> axes{// and how many of them the apex is away
+                                                    {{0, 0, 2}, 4},
+                                                    {{3, 4, 0}, 1.5},
+                                                    {{1, 1, 0}, 5},
+                                                    {{1, 2, 3}, 2}};
+    for (const auto& [axis, away] : axes) {
+        CAPTURE(axis.transpose());
+        const Vec3 point(0.5, -0.25, 0.125),
+            across = axis.x() == 0 ? Vec3(Vec3::UnitX()) : Vec3(axis.y(), -axis.x(), 0);
+        const std::vector<std::pair<Object, std::string>> all{
+            {HollowCylinder{point + 3 * axis, -axis, 3}, "circular cylinder"},
+            {HollowCylinder{point + 3 * axis + 0.0625 * across, axis, 3}, "elliptic cylinder"},
+            {HollowCone{point - away * axis, 2 * axis, 5, 13}, "circular cone"},
+            {HollowCone{point - away * axis + 0.0625 * across, axis, 5, 13}, "quartic"},
+            {Plane{point + 1.5 * across.normalized(), across}, "parabolic cylinder"}};
+        for (const auto& [object, name] : all) {
+            CAPTURE(name);
+            const Cell cell =
+                voronoi_cell(scene_of({point, axis, 0.5}, {object}, {Vec3::Constant(-3), Vec3::Constant(3)}));
+            std::size_t faces = 0;
+            for (const CellFace& f : cell.faces) {
+                if (!f.site.is_object()) continue;
+                ++faces;
+                CHECK(f.bisector == name);
+            }
+            CHECK(faces > 0);
+            // Of a cone along the tube, at the height h over the apex, t = h tan - (t - R0) / cos.
+            const auto* cone = std::get_if<HollowCone>(&object);
+            if (cone == nullptr || name == "quartic") continue;
+            const double sine = cone->sine(), cosine = cone->cosine();
+            for (const CellVertex& v : cell.vertices) {
+                if (std::ranges::none_of(v.sites, [](const Site& s) { return s.is_object(); })) continue;
+                const double h = axis.normalized().dot(v.point - cone->apex);
+                CHECK(v.radius == doctest::Approx((sine * h + 0.5) / (1 + cosine) - 0.5).epsilon(1e-9));
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace vcell::tubes_in_vessels_test

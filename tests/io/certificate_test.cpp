@@ -118,7 +118,13 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "lines_cross_beside_tube",
                              "needle_around_tube",
                              "cusp_beside_tube",
-                             "cusp_beside_tilted_tube"}) {
+                             "cusp_beside_tilted_tube",
+                             "cap_of_leaning_tube",
+                             "cap_touches_side",
+                             "sphere_touches_tube",
+                             "cone_along_leaning_tube",
+                             "wall_about_leaning_tube",
+                             "ball_behind_apex"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
