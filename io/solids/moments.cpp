@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <limits>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "../../core/errors.hpp"
 #include "../../core/quadrature/bounded_sum.hpp"
 #include "../../envelope/measures/span_integrals.hpp"
+#include "lowered_net.hpp"
 #include "shell.hpp"
 
 namespace vcell {
@@ -134,9 +136,20 @@ public:
         };
         const auto [u0, u1] = ends(0, surface.domain_u);
         const auto [v0, v1] = ends(1, surface.domain_v);
-        const Row all = homogeneous(surface.points, frame);
+        Row all = homogeneous(surface.points, frame);
         for (const Vector4d& p : surface.points) reach_ = std::max(reach_, p.head<3>().cwiseAbs().maxCoeff());
         reach_ /= frame.unit;
+        if (std::max(m_, n_) > most_degree) {
+            // Control points of little weight lie far away, and move the surface by their weight's share.
+            reach_ = 0;
+            for (const Vector4d& h : all) reach_ = std::max(reach_, h.head<3>().cwiseAbs().maxCoeff());
+            LoweredNet lowered = lowered_net(all, m_, n_);
+            // The surface is within the cell's size, and off by its weight's error times that, too.
+            blur_ += 4 * lowered.lost / rounding_of_points();
+            is_weighted_ = true;
+            all = std::move(lowered.net);
+            m_ = n_ = 2;
+        }
         std::vector<Row> columns;  // over [-1, 1]^2, one for each j
         for (std::size_t j = 0; j <= n_; ++j) {
             Row column;
@@ -213,6 +226,8 @@ public:
     void set_place(double size) { place_ = size; }
 
 private:
+    double rounding_of_points() const { return 4 * unit_roundoff * reach_; }
+
     using Column = std::array<Vector4d, most_degree + 1>;
     /// Of the way from 0 to x, as parts of it.
     struct Part {
@@ -288,14 +303,14 @@ private:
             }
             const double w = std::abs(weight(x)), r = 1 / w;
             // Control points come in rounded to the size of coordinates, and that goes into each factor.
-            const double noise = 4 * unit_roundoff * of.reach_ / term_rounding;
+            const double noise = of.rounding_of_points() * (of.is_weighted_ ? r : 1) / term_rounding;
             const double place = at * r, area = along * across * r * r,
                          rough = (place + noise) * area + place * noise * (along + across) * r;
             std::array<double, terms> f{};
-            f[0] = rough;
-            for (std::size_t c = 0; c < 3; ++c) f[1 + c] = (place + noise) * rough;
+            f[0] = of.blur_ * rough;
+            for (std::size_t c = 0; c < 3; ++c) f[1 + c] = of.blur_ * (place + noise) * rough;
             for (std::size_t k = 0; k < pairs.size(); ++k)
-                f[4 + k] = (place + noise) * (place + noise) * rough;
+                f[4 + k] = of.blur_ * (place + noise) * (place + noise) * rough;
             return f;
         }
     };
@@ -384,8 +399,10 @@ private:
     std::size_t m_, n_;
     std::array<Column, most_degree + 1> c_;  // of x^i y^j
     double reach_ = 0;                       // of coordinates
+    double blur_ = 1;                        // by how much points are off, over their rounding
     double place_ = 0;
     std::array<double, 2> even_{1, 1};
+    bool is_weighted_ = false;  // reach_ is that of homogeneous coordinates
     bool is_polynomial_ = false;
     std::vector<Part> parts_;
 };
@@ -437,8 +454,6 @@ private:
 
     void add(const TrimmedPatch& trimmed) {
         const RationalPatch& surface = trimmed.surface;
-        if (std::max(surface.degree_u, surface.degree_v) > static_cast<int>(FluxAlong::most_degree))
-            throw InternalError("moments_of: a patch's degree is above 8");
         std::vector<std::vector<Row>> loops;
         Vector2d lo = Vector2d::Constant(std::numeric_limits<double>::infinity()), hi = -lo;
         double size = 0;

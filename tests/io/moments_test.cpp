@@ -160,6 +160,38 @@ TEST_CASE("moments: a ball about a ball in a vessel, cut by the box") {
                   1e-9);
 }
 
+TEST_CASE("moments: a ball's cap of which another ball leaves next to all") {
+    // What is nearer to it is beyond a plane at h. The less it is, the higher the degree of the cap's patch.
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 1};
+    scene.probe = 1;
+    scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
+    for (const double h : {1.0, 1.5, 1.65}) {
+        CAPTURE(h);
+        scene.objects = {Sphere{{2 * h, 0, 0}, 1}};
+        const Cell cell = voronoi_cell(scene);
+        int degree = 0;
+        for (const CellFace& f : cell.faces)
+            for (const TrimmedPatch& p : f.patches) degree = std::max(degree, p.surface.degree_u);
+        CHECK((degree > 8) == (h > 1.25));
+        // Of the discs of radius sqrt(a - x^2) from -2 to h.
+        const double a = 4, from = -2;
+        const auto between = [&](const auto& integral) { return integral(h) - integral(from); };
+        const double pi = std::numbers::pi;
+        const double volume = pi * between([&](double x) { return a * x - x * x * x / 3; }),
+                     first = pi * between([&](double x) { return a * x * x / 2 - x * x * x * x / 4; }),
+                     along = pi * between([&](double x) { return a * x * x * x / 3 - std::pow(x, 5) / 5; }),
+                     across = pi / 4 * between([&](double x) {
+                                  return a * a * x - 2 * a * x * x * x / 3 + std::pow(x, 5) / 5;
+                              });
+        const double middle = first / volume;
+        check_moments(
+            moments_of(cell),
+            {volume, Vec3(middle, 0, 0), Matrix3d(Vec3(along - first * middle, across, across).asDiagonal())},
+            h > 1.25 ? 2e-7 : 1e-9);
+    }
+}
+
 TEST_CASE("moments: against closed meshes and random points of cells of every kind") {
     std::mt19937_64 rng(test_seed());
     for (const char* name : {"balls", "lattice", "atom", "tube lattice", "tubes over a plane",
