@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "../../core/platform.hpp"
+
 namespace vcell {
 
 /// Grids of squares over a rectangle, each twice as fine as the one before; a cell has the last vertex that
@@ -50,8 +52,9 @@ private:
     Index& cell(unsigned level, std::uint32_t i, std::uint32_t j) {
         return cells_[first(level) + (std::size_t{j} << level) + i];
     }
+    // In a rectangle of next to no width t may be no number.
     std::uint32_t clamped(double t) const {
-        return static_cast<std::uint32_t>(std::clamp(t, 0.0, static_cast<double>(side() - 1)));
+        return t > 0 ? static_cast<std::uint32_t>(std::min(t, static_cast<double>(side() - 1))) : 0;
     }
     std::uint32_t column(double x) const { return clamped((x - x0_) * scale_x_); }
     std::uint32_t row(double y) const { return clamped((y - y0_) * scale_y_); }
