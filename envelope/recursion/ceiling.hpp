@@ -85,8 +85,9 @@ private:
     };
     std::array<std::int32_t, 2> finest(double x, double y) const {
         const std::int32_t side = 1 << levels_;
+        // In a rectangle of next to no width t may be no number.
         const auto index = [&](double t) {
-            return static_cast<std::int32_t>(std::clamp(t * side, 0.0, side - 1.0));
+            return t > 0 ? static_cast<std::int32_t>(std::min(t * side, side - 1.0)) : 0;
         };
         return {index((x - x0_) / (x1_ - x0_)), index((y - y0_) / (y1_ - y0_))};
     }
