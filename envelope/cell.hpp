@@ -74,7 +74,7 @@ struct CellFace {
     std::vector<TrimmedPatch> patches;
     bool is_estimated = false;  ///< area_error, otherwise a proven bound
 
-    /// Of all loops of all patches.
+    /// The trims of all loops of all patches: what asks for each of them alike needs no nest of loops.
     auto trims() const {
         return patches | std::views::transform(&TrimmedPatch::loops) | std::views::join | std::views::join;
     }

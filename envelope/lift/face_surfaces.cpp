@@ -244,7 +244,7 @@ void FaceSurfaces::halve_for_trims() {
 
 bool FaceSurfaces::make_cut(FaceId face) {
     constexpr int most_failures = 3;
-    // Of a half about the axis of a surface of revolution the weight in the middle is none but for rounding.
+    // Half a turn about the axis of a surface of revolution has a middle weight of zero but for rounding.
     constexpr double wide = 2.5;
     const std::span<const Sector> sectors = patches_.sectors(face);
     Cut& cut = cuts_[face];

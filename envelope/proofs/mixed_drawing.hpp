@@ -42,7 +42,7 @@ struct MixedAnalysis::Drawing {
         }
         return inside ? Inside::Yes : Inside::Unknown;
     }
-    // Of a disk.
+    // The box about a disk tells where all of the disk is.
     Inside where(const Vector2d& p, double radius) const {
         return where(Interval::ball(p.x(), radius), Interval::ball(p.y(), radius));
     }

@@ -33,7 +33,7 @@ protected:
         return side * offset + slope < -(form.error + rival.error) ||
                is_outside(face, side / slope * gradient);
     }
-    // Of a form that is beaten on the face's boundary: in the face, too?
+    // The form is beaten on the face's boundary: is it certainly in the face, too?
     bool is_beaten_in(const Linear& form, Index face) {
         return (grows_to_pole(form, forms_[face]) && is_in_hemisphere(face)) || is_within(form, face);
     }
@@ -71,8 +71,8 @@ protected:
         return !vertex_tree_ || v.stamp == stamp_ || decide(v, form);
     }
     bool is_taken(const Vertex& v) const { return v.taken == stamp_; }
-    // Of an edge in both ends of which challenger - rival has one sign: so in the whole triangle about the
-    // arc?
+    // Challenger - rival has one sign in both ends of the edge: has it that in the apex, and so in the whole
+    // triangle about the arc?
     static bool is_beside(const Edge& edge, bool is_taken, const Linear& form) {
         return is_taken ? edge.apex.is_above(form) : edge.apex.is_below(form);
     }
@@ -111,7 +111,7 @@ protected:
             const double value = edge.normal.dot(a.cross(b));
             return std::abs(value) > turn_doubt ? sign_of(value) : Sign::Zero;
         };
-        // Of an arc of less than half a turn, or of the rest of the circle.
+        // The sign of the ends' turn tells an arc of less than half a turn from the rest of the circle.
         const Sign size = turn(p.p - center, q.p - center);
         if (size == Sign::Zero) return Middle::Unknown;
         const Sign after_start = size * turn(p.p - center, middle_ - center),
