@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../core/octree_path.hpp"
 #include "../../core/partition.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "disc_arcs.hpp"
@@ -21,18 +22,9 @@ class DiscResult : protected DiscMarks {
 protected:
     using DiscMarks::DiscMarks;
 
-    // Of the direction in which the form is lowest, on a path through an octree (Morton's).
+    // Of the direction in which the form is lowest, on a path.
     static double place_on_path(const Linear& form) {
-        if (form.b.isZero(0)) return 0;
-        // Ten bits of a coordinate, each followed by two zeros.
-        const auto spread = [&](int k) {
-            auto x = static_cast<std::uint32_t>(512 * (1 - form.b[k] / form.slope)) & 0x3ffu;
-            x = (x | x << 16) & 0x30000ffu;
-            x = (x | x << 8) & 0x300f00fu;
-            x = (x | x << 4) & 0x30c30c3u;
-            return (x | x << 2) & 0x9249249u;
-        };
-        return 4 * spread(0) + 2 * spread(1) + spread(2);
+        return form.b.isZero(0) ? 0 : octree_path(-form.b / form.slope);
     }
 
     // Faces after the pole's on the path, edges and vertices as they are met around faces: what comes after
@@ -94,17 +86,18 @@ protected:
         return out;
     }
 
-    // The diagram as it lies on the sphere. Arcs that are as good as points, but are not known to be, stay.
-    // False where that is no common case.
+    // The diagram as it lies on the sphere, which is all that is left of it. Arcs that are as good as points,
+    // but are not known to be, stay. False where that is no common case.
     bool set_arcs(DiscArcs& out) {
         if (!unite_vertices() || !unite_edges()) return false;
-        out.forms = forms_;
         out.faces.clear();
+        out.faces.reserve(vertices_.size() / 2 + 2);
         for (Index f = 0; f < family_.size(); ++f)
             if (faces_[f].start != none && !is_point(f) && !is_sliver(f)) out.faces.push_back(FormId{f});
         out.vertices.resize(vertices_.size());
         for (Index v = 0; v < vertices_.size(); ++v) out.vertices[v] = {vertices_[v].p, vertices_[v].error};
         out.arcs.clear();
+        out.arcs.reserve(edges_.size());
         for (Index e = 0; e < edges_.size(); ++e) {
             const Edge& edge = edges_[e];
             if (edge.apex.is_gone() || edge.is_point) continue;
@@ -117,6 +110,7 @@ protected:
                                 edge.square, edge.length, edge.error, is_short,
                                 is_short && chord < near ? edge.apex.error + chord : HUGE_VAL});
         }
+        out.forms = std::move(forms_);
         return true;
     }
 

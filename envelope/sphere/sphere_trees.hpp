@@ -105,6 +105,7 @@ struct Mark {
 /// marks, which is seen of four marks at a time.
 class MarkRows {
 public:
+    void reserve(std::size_t marks) { rows_.reserve((marks + 3) / 4); }
     void set(Index i, const Mark& mark) {
         while (i / 4 >= rows_.size()) add_row();
         Row& row = rows_[i / 4];

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "../../core/octree_path.hpp"
 #include "../charts/sphere_chart.hpp"
 #include "../objects/decided_scene.hpp"
 #include "../objects/message.hpp"
@@ -369,6 +370,29 @@ private:
                 sine};
     }
 
+    // Objects that compete, with their places among the balls, if they are some: as the scene has them. Many
+    // come on a path around the base, as what is computed of a form is asked for together with its
+    // neighbours'.
+    struct Ordered {
+        std::uint32_t place_on_path, object, ball;
+    };
+    std::vector<Ordered> in_order_of_forms() const {
+        const bool are_many = scene_.objects.size() > 4096;
+        std::vector<Ordered> order;
+        order.reserve(scene_.objects.size());
+        std::uint32_t ball = 0;
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+            if (!scene_.competes(i)) continue;
+            const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]);
+            std::uint32_t place = 0;
+            if (sphere != nullptr && are_many)
+                place = octree_path((sphere->center - frame_.center).stableNormalized());
+            order.push_back({place, i, sphere != nullptr ? ball++ : 0});
+        }
+        if (are_many) std::ranges::stable_sort(order, {}, &Ordered::place_on_path);
+        return order;
+    }
+
     RadialBaseProblem make_problem() {
         const std::size_t n = scene_.objects.size();
         FoundForms found(scene_);
@@ -387,14 +411,10 @@ private:
             sources->forms.push_back(source);
         };
         using Kind = FormSources::Kind;
-        std::uint32_t next_ball = 0;
-        for (std::uint32_t i = 0; i < n; ++i) {
-            if (!scene_.competes(i)) continue;
-            const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]);
-            const std::uint32_t k = sphere != nullptr ? next_ball++ : 0;
+        for (const auto& [place_on_path, i, k] : in_order_of_forms()) {
             if (!objects_.is_kept(i)) continue;
             const Site site = objects_.site(i);
-            if (sphere != nullptr) {
+            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i])) {
                 add(site, Sphere{sphere->center - frame_.center, sphere->radius},
                     rounded_form(objects_.balls.items[k], powers_[k], frame_), {Kind::Ball, k});
             } else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i])) {
