@@ -356,6 +356,7 @@ protected:
             ties_.emplace_back();
         }
         ties_[list].forms.push_back(challenger);
+        has_new_ties_ = true;
     }
 
     const FormFamily& family_;
@@ -364,6 +365,7 @@ protected:
     std::vector<Linear> forms_;       // the family's, and some that are higher in the end
     bool has_points_ = false;         // among the edges
     std::vector<Ties> ties_;          // the lists of vertices and edges
+    bool has_new_ties_ = false;       // since the challenger came
     Decisions decisions_;
     CircleKernel kernel_;            // decides what doubles cannot
     std::vector<FormId> in_kernel_;  // none: not there yet

@@ -37,47 +37,34 @@ class DiscInsertion : protected DiscComparison {
 protected:
     using DiscComparison::DiscComparison;
 
-    /// Merges in one more form. False where that is no common case: the diagram is broken then.
-    bool insert(Index challenger) {
+    /// Later: no common case as the diagram is, which is as it was; when others have cut its faces it may be
+    /// one. Failed: neither then, and the diagram is broken.
+    enum class Insertion { Done, Later, Failed };
+    /// Merges in one more form.
+    Insertion insert(Index challenger) {
         ++stamp_;
         rivals_.clear();
         cuts_.clear();
         swallowed_.clear();
         new_edges_.clear();
         middles_.clear();
+        has_new_ties_ = false;
         bool is_beaten = false;
         const Linear& form = forms_[challenger];
-        if (!(vertex_tree_ ? find_rivals_in_trees(form) : find_rivals(form, is_beaten))) return false;
-        if (is_beaten) return true;
+        if (!(vertex_tree_ ? find_rivals_in_trees(form) : find_rivals(form, is_beaten)))
+            return Insertion::Failed;
+        if (is_beaten) return Insertion::Done;
         for (std::size_t i = 0; i < rivals_.size(); ++i)  // may add some
-            if (!challenge(form, rivals_[i])) return false;
+            if (!challenge(form, rivals_[i])) return put_off();
         if (cuts_.empty()) {
             // All boundaries are kept or all lost, and this cannot be.
             for (const Index face : rivals_)
-                if (!is_within(form, face)) return false;
-            return swallowed_.empty();
+                if (!is_within(form, face)) return put_off();
+            return swallowed_.empty() ? Insertion::Done : Insertion::Failed;
         }
         for (const Index face : swallowed_)
-            if (!is_within(form, face)) return false;
-        for (const Cut& c : cuts_)
-            if (!add_vertex(challenger, c)) return false;
-        for (const Index face : swallowed_) {
-            remove(faces_[face].start, faces_[face].start);
-            faces_[face].start = none;
-        }
-        for (const Cut& c : cuts_) {
-            if (half_edges_[c.leaving].next != c.returning) remove(half_edges_[c.leaving].next, c.returning);
-            remove_vertex(half_edges_[c.returning].origin);
-        }
-        for (const Cut& c : cuts_) cut(challenger, c);
-        for (const Index h : middles_) remove_middle(h);
-        if (!vertex_tree_) {
-            if (!swallowed_.empty()) erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
-            alive_faces_.push_back(challenger);
-            top_ = HUGE_VAL;
-            is_top_known_ = is_flattest_known_ = false;
-        }
-        return close(challenger);
+            if (!is_within(form, face)) return put_off();
+        return cut_in(challenger) ? Insertion::Done : Insertion::Failed;
     }
 
     /// Forms are to come that are steeper than all others. False where that is no common case.
@@ -192,6 +179,16 @@ private:
                form.error + rival.error;
     }
 
+    // Leaves the diagram as it was, but for ties: those count for forms that came before.
+    Insertion put_off() {
+        if (has_new_ties_) return Insertion::Failed;
+        while (!middles_.empty()) {
+            remove_middle(middles_.back().first);
+            middles_.pop_back();
+        }
+        return Insertion::Later;
+    }
+
     struct Cut {
         Index face;
         Index leaving, returning;  // the half-edges of the face where the challenger starts and ceases to win
@@ -235,6 +232,33 @@ private:
     }
     // --- Cuts
 
+    bool cut_in(Index challenger) {
+        for (const Cut& c : cuts_)
+            if (!add_vertex(challenger, c)) return false;
+        for (const Index face : swallowed_) {
+            remove(faces_[face].start, faces_[face].start);
+            faces_[face].start = none;
+        }
+        for (const Cut& c : cuts_) {
+            if (half_edges_[c.leaving].next != c.returning) remove(half_edges_[c.leaving].next, c.returning);
+            remove_vertex(half_edges_[c.returning].origin);
+        }
+        for (const Cut& c : cuts_) cut(challenger, c);
+        for (const SplitEdge& m : middles_)
+            if (!m.is_taken) remove_middle(m.first);
+        if (!vertex_tree_) {
+            if (!swallowed_.empty()) erase_if(alive_faces_, [&](Index f) { return faces_[f].start == none; });
+            alive_faces_.push_back(challenger);
+            top_ = HUGE_VAL;
+            is_top_known_ = is_flattest_known_ = false;
+        }
+        return close(challenger);
+    }
+    // By put_middle(): the half-edge that ends in the middle, and whether the challenger wins there.
+    struct SplitEdge {
+        Index first;
+        bool is_taken;
+    };
     // Puts a vertex at middle_ on the edge of h, until the challenger is inserted. h stays the first part.
     void put_middle(Index h) {
         const Index from = half_edges_[h].origin;
@@ -246,7 +270,7 @@ private:
         const Index e = add_edge(edges_[h >> 1]);
         // Both parts lie on the old curve in the old direction.
         split(h, v, 2 * e + (h & 1u));
-        if (!is_taken(vertices_[v])) middles_.push_back(h);
+        middles_.push_back({h, is_taken(vertices_[v])});
     }
     // Undoes that where the middle is left.
     void remove_middle(Index h) {
@@ -323,7 +347,7 @@ private:
     SomeIndices new_faces_;  // not in the tree yet
     // Working space of insert().
     SomeIndices rivals_, swallowed_, new_edges_;
-    SomeIndices middles_;  // half-edges that end at a vertex made by put_middle() that is not taken
+    SmallVector<SplitEdge, 32> middles_;
     SmallVector<Cut, 32> cuts_;
 };
 

@@ -21,7 +21,7 @@ protected:
     SphereMarks marks() {
         SphereMarks marks;
         marks.steepest = steepest_;
-        marks.places.reserve(vertices_.size() + edges_.size());
+        marks.places.reserve(vertices_.size() + edges_.size() + faces_.size());
         for (const Vertex& v : vertices_)
             if (!v.is_gone()) marks.places.push_back({v.p, v.level});
         for (Index e = 0; e < edges_.size() && marks.are_all; ++e) {
@@ -33,7 +33,7 @@ protected:
                 add_parts(e, marks);
         }
         for (Index f = 0; f < faces_.size() && marks.are_all; ++f) {
-            if (faces_[f].start == none) continue;
+            if (faces_[f].start == none || add_top(f, marks)) continue;
             const Linear& form = forms_[f];
             if (is_in_hemisphere(f))
                 add_gradient(form, form.b.normalized(), marks);
@@ -73,27 +73,51 @@ private:
     static void add_gradient(const Linear& form, const Vector3d& up, SphereMarks& marks) {
         marks.gradients.push_back({up, form.b.dot(up) - 2 * (form.error + slack * form.slope)});
     }
+    // The top of the cone that touches the sphere along the rim of a cap about z, of at most a sixth of a
+    // turn from there, that holds the face. Seen from the top, the cap lies before whatever its points span,
+    // and no point of it behind another one: so the line from there through a point of the face meets what
+    // the boundary spans in that point or beyond.
+    bool add_top(Index face, SphereMarks& marks) const {
+        Vector3d middle = Vector3d::Zero();
+        for_boundary(face, [&](Index h) { middle += vertices_[half_edges_[h].origin].p; });
+        const Vector3d z = middle.normalized();
+        constexpr double least_cosine = 0.5 + 0x1p-10;
+        const double cosine = least_on_boundary(face, z);
+        // NaN where the middle has no direction.
+        if (!(cosine > least_cosine && is_outside(face, -z))) return false;
+        const Linear& form = forms_[face];
+        add_apex(form, form, z / cosine, marks);
+        return true;
+    }
+    // Lower bound of z.p over the face's boundary; minus infinity where an arc is not known. Pre: |z| = 1,
+    // but for rounding.
+    double least_on_boundary(Index face, const Vector3d& z) const {
+        constexpr double margin = 0x1p-20;  // more than the parts' errors
+        double least = HUGE_VAL;
+        SphereMarks parts;
+        for_boundary(face, [&](Index h) {
+            const Vertex& v = vertices_[half_edges_[h].origin];
+            const Mark& apex = edges_[h >> 1].apex;
+            least = std::min(least, z.dot(v.p) - v.error);
+            if (apex.doubt < HUGE_VAL)
+                least = std::min(least, z.dot(apex.p) - apex.error);
+            else
+                add_parts(h >> 1, parts);
+        });
+        for (const auto& part : parts.places) least = std::min(least, z.dot(part.p));
+        return parts.are_all ? least - margin : -HUGE_VAL;
+    }
     // A face that is in no hemisphere about the point z where its form is lowest, but still far from the
     // opposite point. Where another form wins in the face and nowhere on its boundary it does so in a cap
     // within; if it wins nowhere either on spokes, from z to where the face ends, the cap is in a sector
     // between two of them, and each of those lies in a hemisphere.
-    bool add_wide_face(Index face, SphereMarks& marks) {
-        SphereMarks around;
-        for_boundary(face, [&](Index h) {
-            const Mark& apex = edges_[h >> 1].apex;
-            around.places.push_back({vertices_[half_edges_[h].origin].p, 0});
-            if (apex.doubt < HUGE_VAL)
-                around.places.push_back({apex.p, 0});
-            else
-                add_parts(h >> 1, around);
-        });
+    bool add_wide_face(Index face, SphereMarks& marks) const {
         const Linear& form = forms_[face];
         const Vector3d up = form.b.normalized();
-        // The boundary is in this half-space, beyond the errors of marks, and so is the face.
+        // The boundary is in this half-space, and so is the face.
         constexpr double margin = 0x1p-20, most_depth = 0.5;
-        double depth = 0;
-        for (const auto& mark : around.places) depth = std::max(depth, mark.p.dot(up) + margin);
-        if (!(around.are_all && depth < most_depth && is_outside(face, up))) return false;
+        const double depth = std::max(0.0, -least_on_boundary(face, -up));
+        if (!(depth < most_depth && is_outside(face, up))) return false;
         constexpr int spokes = 4, parts = 3;
         const double reach = std::acos(-depth), half = 0.5 * reach / parts;
         const Vector3d x = up.unitOrthogonal(), y = up.cross(x);
@@ -123,8 +147,8 @@ private:
     void add_parts(Index e, SphereMarks& marks) const {
         constexpr double most_angle = std::numbers::pi / 3;
         const auto arc = long_arc(e);
-        marks.are_all = arc.has_value();
-        if (!marks.are_all) return;
+        marks.are_all = marks.are_all && arc;
+        if (!arc) return;
         const Linear &f = forms_[left(2 * e)], &g = forms_[right(2 * e)];
         const int parts = static_cast<int>(arc->angle / most_angle) + 1;
         const double half = 0.5 * arc->angle / parts, reach = 1 / std::cos(half);

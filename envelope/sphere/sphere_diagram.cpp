@@ -1,5 +1,5 @@
-// Forms are inserted lowest first, about a tetrahedron of forms that lose in the end; in another order if
-// that fails.
+// Forms are inserted lowest first, about a tetrahedron of forms that lose in the end; those later that would
+// cut a face in two as it is; all in another order if that fails.
 #include "sphere_diagram.hpp"
 
 #include <Eigen/Geometry>
@@ -38,7 +38,8 @@ public:
     bool is_given_up() const { return is_given_up_; }
 
 private:
-    static constexpr std::size_t most_spread = 8;  // forms that are to surround the base first
+    static constexpr std::size_t few_vertices = 64;  // most cells have no more
+    static constexpr std::size_t most_spread = 8;    // forms that are to surround the base first
 
     // Whose face holds the chart's pole; none where that is no common case.
     std::optional<Index> insert_all(std::size_t attempt) {
@@ -54,14 +55,7 @@ private:
         if (!owner || !(least_slope > 0) || !std::isfinite(least_slope)) return std::nullopt;
         // In each direction a side of the box is nearer than sqrt(3) times the farthest side.
         if (!start(least_slope / 4, attempt < 2 ? 4 : attempt == 2 ? 8 : 16)) return std::nullopt;
-        for (const auto& [place, form] : insertion_order(attempt)) {
-            if (!insert(form)) return std::nullopt;
-            ++inserted_;
-            if (std::has_single_bit(inserted_)) require_soundness();
-            if (options_.progress && inserted_ % 1024 == 0)
-                options_.progress(static_cast<double>(inserted_) / static_cast<double>(family_.size()));
-        }
-        require_soundness();
+        if (!insert_in(insertion_order(attempt))) return std::nullopt;
         for (Index f = static_cast<Index>(family_.size()); f < forms_.size(); ++f)
             if (faces_[f].start != none) return std::nullopt;
         if (more_) {
@@ -139,12 +133,42 @@ private:
             faces_.resize(forms_.size());
             if (steepest > steepest_ && !set_steepest(steepest)) return false;
             std::ranges::sort(order);
-            for (const auto& [place, form] : order) {
-                if (!insert(form)) return false;
-                ++inserted_;
-            }
-            require_soundness();
+            if (!insert_in(order)) return false;
         }
+    }
+    bool insert_in(const Order& order) {
+        std::vector<Index> late;
+        for (const auto& [place, form] : order) {
+            const Insertion insertion = insert(form);
+            if (insertion == Insertion::Failed) return false;
+            if (insertion == Insertion::Later) {
+                late.push_back(form);
+                continue;
+            }
+            note_insertion();
+        }
+        while (!late.empty()) {
+            const std::size_t before = late.size();
+            for (Index& form : late) {
+                const Insertion insertion = insert(form);
+                if (insertion == Insertion::Failed) return false;
+                if (insertion == Insertion::Later) continue;
+                form = none;
+                note_insertion();
+            }
+            std::erase(late, none);
+            // Where hardly any goes in the others hardly will.
+            constexpr std::size_t few = 64;
+            if (late.size() == before || (late.size() > few && late.size() > before / 2)) return false;
+        }
+        require_soundness();
+        return true;
+    }
+    void note_insertion() {
+        ++inserted_;
+        if (std::has_single_bit(inserted_)) require_soundness();
+        if (options_.progress && inserted_ % 1024 == 0)
+            options_.progress(static_cast<double>(inserted_) / static_cast<double>(family_.size()));
     }
     // Forms that lose in the end, so high are they: -slope t.p for points t of the sphere that no input
     // favours. The first four are the corners of a tetrahedron.
@@ -178,6 +202,8 @@ private:
         vertices_.reserve(2 * room);
         edges_.reserve(3 * room);
         half_edges_.reserve(6 * room);
+        vertex_rows_.reserve(few_vertices);
+        apex_rows_.reserve(few_vertices / 2 * 3);
         // Around the face about corner i, counter-clockwise, the vertices opposite to the others.
         constexpr Index around[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
         std::array<std::array<Index, 4>, 4> from_to{};  // the half-edge between two vertices, plus 1
@@ -206,7 +232,7 @@ private:
         }
         alive_faces_ = {first, first + 1, first + 2, first + 3};
         for (Index i = 4; i < count; ++i)
-            if (!insert(first + i)) return false;
+            if (insert(first + i) != Insertion::Done) return false;
         return true;
     }
 

@@ -24,8 +24,10 @@ namespace vcell {
 /// Places by which a further form is seen to be nowhere the lowest, in the coordinates of b above.
 ///
 /// A form c that is above the diagram at its vertices, and where tangents to a short arc of an edge meet, is
-/// above it all along the edges. Where a face lies in a hemisphere, and the face's own form grows towards the
-/// other one, it is above in the face, too, if it grows less that way (disc_comparison.hpp).
+/// above it all along the edges. A face in a cap of less than a quarter turn lies in the convex hull of its
+/// boundary and the top of the cone that touches the sphere along the cap's rim: there c is above the face's
+/// form, too. Where a wider face lies in a hemisphere, and its own form grows towards the other one, c is
+/// above in it if it grows less that way (disc_comparison.hpp).
 struct SphereMarks {
     struct Mark {
         Eigen::Vector3d p;
