@@ -107,32 +107,17 @@ private:
         for (const auto& part : parts.places) least = std::min(least, z.dot(part.p));
         return parts.are_all ? least - margin : -HUGE_VAL;
     }
-    // A face that is in no hemisphere about the point z where its form is lowest, but still far from the
-    // opposite point. Where another form wins in the face and nowhere on its boundary it does so in a cap
-    // within; if it wins nowhere either on spokes, from z to where the face ends, the cap is in a sector
-    // between two of them, and each of those lies in a hemisphere.
+    // Where a form c wins in the face f, but nowhere on its boundary, c - f is negative in a cap within the
+    // face, and least in the direction of f.b - c.b. That is no farther from f.b than the angle whose sine is
+    // |c.b| / |f.b|; and nothing is there of a face that does not hold the direction of f.b, and ends farther
+    // away.
     bool add_wide_face(Index face, SphereMarks& marks) const {
         const Linear& form = forms_[face];
         const Vector3d up = form.b.normalized();
-        // The boundary is in this half-space, and so is the face.
-        constexpr double margin = 0x1p-20, most_depth = 0.5;
         const double depth = std::max(0.0, -least_on_boundary(face, -up));
-        if (!(depth < most_depth && is_outside(face, up))) return false;
-        constexpr int spokes = 4, parts = 3;
-        const double reach = std::acos(-depth), half = 0.5 * reach / parts;
-        const Vector3d x = up.unitOrthogonal(), y = up.cross(x);
-        const auto direction = [&](double around_z, double from_z) {
-            const Vector3d across = std::cos(around_z) * x + std::sin(around_z) * y;
-            return Vector3d(std::sin(from_z) * across - std::cos(from_z) * up);
-        };
-        constexpr double sector = 2 * std::numbers::pi / spokes;
-        // The corners of a sector are the farthest from its middle.
-        if (!(direction(0, 0.5 * reach).dot(direction(0.5 * sector, reach)) > margin)) return false;
-        for (int k = 0; k < spokes; ++k) {
-            for (int i = 0; i < parts; ++i)
-                add_apex(form, form, direction(k * sector, (2 * i + 1) * half) / std::cos(half), marks);
-            add_gradient(form, -direction((k + 0.5) * sector, 0.5 * reach), marks);
-        }
+        if (!(depth < 1 && is_outside(face, up))) return false;
+        marks.steepest =
+            std::min(marks.steepest, std::sqrt((1 - depth * depth) * form.square) * (1 - slack) - form.error);
         return true;
     }
     // That tangents in the ends of an arc meet there is true but for `blur`, which is far more than errors

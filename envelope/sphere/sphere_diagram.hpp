@@ -27,17 +27,18 @@ namespace vcell {
 /// above it all along the edges. A face in a cap of less than a quarter turn lies in the convex hull of its
 /// boundary and the top of the cone that touches the sphere along the cap's rim: there c is above the face's
 /// form, too. Where a wider face lies in a hemisphere, and its own form grows towards the other one, c is
-/// above in it if it grows less that way (disc_comparison.hpp).
+/// above in it if it grows less that way (disc_comparison.hpp). In faces that are wider still it is if it is
+/// flat enough.
 struct SphereMarks {
     struct Mark {
         Eigen::Vector3d p;
         double level;
     };
-    /// Up to 2 from the centre: c(p) > level, where c is no steeper than `steepest`.
+    /// Up to 2 from the centre: c(p) > level.
     std::vector<Mark> places;
     /// Unit vectors, along the gradients of faces' forms where that will do: b.p < level, for the true b.
     std::vector<Mark> gradients;
-    double steepest = 0;
+    double steepest = 0;  ///< steeper forms are not told of
     bool are_all = true;  ///< otherwise they tell nothing of some edge or face
 };
 
