@@ -53,18 +53,11 @@ public:
     template <class Visit>
     void near(const Vec3& point, double reach, Visit&& visit) const {
         search(
-            point, reach,
-            [&](const Box& box, double largest, const Vec3& by) {
-                const Vec3 p = point - by, nearest = p.cwiseMax(box.min).cwiseMin(box.max);
-                constexpr double rounding = 0x1p-44;
-                const double size = point.cwiseAbs().sum() + by.cwiseAbs().sum() + nearest.cwiseAbs().sum();
-                return (p - nearest).norm() - largest - rounding * (size + largest) <= reach;
-            },
-            visit);
+            point, reach, [](const Box&, double, const Vec3&) { return true; }, visit);
     }
-    /// The same for balls that may touch the cell that the bound is of.
-    template <class Visit>
-    void touching(const whole::CellBound& bound, Visit&& visit) const {
+    /// The same for balls that may touch the cell that the bound is of: a CellBound, or CellMarks.
+    template <class Bound, class Visit>
+    void touching(const Bound& bound, Visit&& visit) const {
         if (tree_.entries().empty()) return;
         search(
             bound.base().center, bound.extent(tree_.largest_radius()),
@@ -75,17 +68,26 @@ public:
     }
 
 private:
-    // may_hold(box, radius, shift) is about balls of no more than that radius with centres in the box moved.
+    // may_hold(box, radius, shift) is about a block's balls, of no more than that radius and with centres in
+    // the box moved. Of balls that hold blocks it would tell nothing: marks need not tell of what a ball
+    // holds what they tell of the ball.
     template <class MayHold, class Visit>
     void search(const Vec3& point, double reach, MayHold&& may_hold, Visit&& visit) const {
+        const auto is_near = [&](const Box& box, double largest, const Vec3& by) {
+            const Vec3 p = point - by, nearest = p.cwiseMax(box.min).cwiseMin(box.max);
+            constexpr double rounding = 0x1p-44;
+            const double size = point.cwiseAbs().sum() + by.cwiseAbs().sum() + nearest.cwiseAbs().sum();
+            return (p - nearest).norm() - largest - rounding * (size + largest) <= reach;
+        };
         if (tree_.entries().empty()) return;
         std::vector<std::uint32_t> seen;  // images of a block are one rank
         lattice_.for_images(
             tree_.centers(), tree_.largest_radius(), point, reach, [&](const whole::Image&, const Vec3& by) {
-                tree_.search([&](const Box& box, double radius) { return may_hold(box, radius, by); },
+                tree_.search([&](const Box& box, double radius) { return is_near(box, radius, by); },
                              [&](const BallTree::Entry& e) {
                                  const Block& block = blocks_[e.number];
                                  if (std::ranges::find(seen, e.number) != seen.end() ||
+                                     !is_near(block.centers, block.largest, by) ||
                                      !may_hold(block.centers, block.largest, by))
                                      return;
                                  seen.push_back(e.number);

@@ -19,6 +19,7 @@
 #include "grid_file.hpp"
 #include "ordered.hpp"
 #include "scene_parts.hpp"
+#include "shared_cells.hpp"
 #include "shared_file.hpp"
 #include "surroundings.hpp"
 
@@ -146,22 +147,25 @@ Status MpiDiagram::run(Ranks& ranks) const {
     const SceneParts parts = spread(ranks, std::move(scene), scene_.path());
     took.spread = clock.seconds();
     const unsigned threads = threads_.count();
-    const Surroundings around(ranks, parts, threads);
+    Surroundings around(ranks, parts, grid_file == nullptr, threads);
     took.rounds = clock.seconds();
 
     std::vector<DiagramCell> cells(parts.own.size());
     std::vector<std::optional<LabelledMesh>> meshes(grid_file ? parts.own.size() : 0);
-    ranks.together([&] {
-        for_all(cells.size(), threads, [&](std::size_t i) {
-            std::optional<Cell> cell;
-            cells[i] =
-                whole::find_cell(around.decided(), around.place(i),
-                                 grid_file && around.decided().is_ball(around.place(i)) ? &cell : nullptr);
-            if (!cell) return;
-            meshes[i].emplace();
-            meshes[i]->add(static_cast<std::int32_t>(parts.own[i].number), *cell, mesh_among_many(*cell));
+    if (around.are_sharing())
+        cells = shared_cells(ranks, parts, around, threads);
+    else
+        ranks.together([&] {
+            for_all(cells.size(), threads, [&](std::size_t i) {
+                std::optional<Cell> cell;
+                cells[i] = whole::find_cell(
+                    around.decided(), around.place(i),
+                    grid_file && around.decided().is_ball(around.place(i)) ? &cell : nullptr);
+                if (!cell) return;
+                meshes[i].emplace();
+                meshes[i]->add(static_cast<std::int32_t>(parts.own[i].number), *cell, mesh_among_many(*cell));
+            });
         });
-    });
     took.cells = clock.seconds();
     const OrderedCells ordered = in_order(ranks, parts, std::move(cells));
     if (cell_file) cell_file->write(ranks.together([&] { return cell_rows(ranks, ordered); }));

@@ -12,7 +12,7 @@ namespace {
 using whole::DecidedDiagram;
 using whole::ImageTree;
 
-enum class Kind : std::uint8_t { Nearest, Touching };
+enum class Kind : std::uint8_t { Nearest, Shell, Touching };
 constexpr std::uint32_t nobody = UINT32_MAX;  // is left out of a search
 
 void put_known(Letter& letter, std::uint32_t number, const Object& object, const std::string& name) {
@@ -29,6 +29,58 @@ KnownObject get_known(LetterReader& in) {
     return known;
 }
 
+void put_marks(Letter& letter, const std::vector<SphereMarks::Mark>& marks) {
+    letter.put(static_cast<std::uint64_t>(marks.size()));
+    for (const SphereMarks::Mark& m : marks) {
+        letter.put(m.p);
+        letter.put(m.level);
+    }
+}
+std::vector<SphereMarks::Mark> get_marks(LetterReader& in) {
+    std::vector<SphereMarks::Mark> marks(in.get<std::uint64_t>());
+    for (SphereMarks::Mark& m : marks) {
+        m.p = in.get<Vec3>();
+        m.level = in.get<double>();
+    }
+    return marks;
+}
+
+void put_search(Letter& letter, const whole::BallSearch& search) {
+    letter.put(search.from);
+    letter.put(search.to);
+    letter.put(search.marks.has_value());
+    if (!search.marks) return;
+    const whole::PlacedMarks& placed = *search.marks;
+    put_marks(letter, placed.marks.places);
+    put_marks(letter, placed.marks.gradients);
+    letter.put(placed.marks.steepest);
+    letter.put(placed.marks.are_all);
+    for (int k = 0; k < 3; ++k) letter.put(Vec3(placed.turn.col(k)));
+    letter.put(placed.unit);
+}
+whole::BallSearch get_search(LetterReader& in) {
+    whole::BallSearch search;
+    search.from = in.get<double>();
+    search.to = in.get<double>();
+    if (!in.get<bool>()) return search;
+    whole::PlacedMarks& placed = search.marks.emplace();
+    placed.marks.places = get_marks(in);
+    placed.marks.gradients = get_marks(in);
+    placed.marks.steepest = in.get<double>();
+    placed.marks.are_all = in.get<bool>();
+    for (int k = 0; k < 3; ++k) placed.turn.col(k) = in.get<Vec3>();
+    placed.unit = in.get<double>();
+    return search;
+}
+
+// Calls visit(marks) with those that a search has, or otherwise(reach).
+void with_search(const Sphere& base, const whole::BallSearch& search, auto&& visit, auto&& otherwise) {
+    if (!search.marks) return otherwise(search.to);
+    whole::CellMarks marks(base, *search.marks);
+    marks.look_between(search.from, search.to);
+    visit(marks);
+}
+
 }  // namespace
 
 struct Surroundings::Question {
@@ -36,13 +88,17 @@ struct Surroundings::Question {
     Letter letter;
 };
 
-Surroundings::Surroundings(Ranks& ranks, const SceneParts& parts, unsigned threads)
-    : ranks_(ranks), parts_(parts), threads_(threads), lattice_(parts.frame) {
+Surroundings::Surroundings(Ranks& ranks, const SceneParts& parts, bool are_measured, unsigned threads)
+    : ranks_(ranks),
+      parts_(parts),
+      threads_(threads),
+      lattice_(parts.frame),
+      are_sharing_(are_measured && parts.others.empty() && !parts.frame.probe) {
     const std::uint64_t before = ranks_.bytes_sent();
     hidden_.resize(parts_.own.size());
     is_large_.resize(parts_.own.size());
     sent_.resize(ranks_.size());
-    for (const KnownObject& other : parts_.others) learn(other);
+    for (const KnownObject& other : parts_.others) learn(other, ranks_.rank());
     replicate_large_balls();
     find_hidden();
     forget_hidden();
@@ -52,7 +108,14 @@ Surroundings::Surroundings(Ranks& ranks, const SceneParts& parts, unsigned threa
     statistics_.bytes = ranks_.bytes_sent() - before;
 }
 
-void Surroundings::learn(KnownObject known) { known_.emplace(known.number, std::move(known)); }
+void Surroundings::learn(KnownObject known, int from) {
+    known_.emplace(known.number, Known{std::move(known), from});
+}
+
+int Surroundings::owner(std::uint32_t number) const {
+    const auto known = known_.find(number);
+    return known != known_.end() ? known->second.from : ranks_.rank();
+}
 
 // A ball is large where blocks with it would reach far beyond their own centres, compared with other balls.
 void Surroundings::replicate_large_balls() {
@@ -129,7 +192,7 @@ void Surroundings::find_hidden() {
 void Surroundings::forget_hidden() {
     for (auto& sent : sent_) sent.clear();
     known_.clear();
-    for (const KnownObject& other : parts_.others) learn(other);
+    for (const KnownObject& other : parts_.others) learn(other, ranks_.rank());
     Letter mine;
     std::uint64_t balls = 0;
     for (std::size_t i = 0; i < parts_.own.size(); ++i) {
@@ -142,8 +205,8 @@ void Surroundings::forget_hidden() {
 }
 
 void Surroundings::learn_from(const std::vector<Letter>& letters) {
-    for (const Letter& letter : letters)
-        for (LetterReader in(letter); !in.at_end();) learn(get_known(in));
+    for (std::size_t rank = 0; rank < letters.size(); ++rank)
+        for (LetterReader in(letters[rank]); !in.at_end();) learn(get_known(in), static_cast<int>(rank));
 }
 
 void Surroundings::put_ball(Letter& letter, int to, std::size_t own) {
@@ -218,6 +281,11 @@ std::vector<Surroundings::Question> Surroundings::questions_of(std::size_t own) 
     };
     find(DecidedDiagram::few, Step::Few);
     if (!questions.empty()) return questions;
+    if (are_sharing_ && !is_searched_[own]) {
+        search(own, questions);
+        if (found_[own]) steps_[own] = Step::Certain;
+        if (found_[own] || !questions.empty()) return questions;
+    }
     DecidedDiagram::Bound bound = decided_->bound(base, found.nearest);
     if (bound.is_poor()) {
         find(DecidedDiagram::many, Step::Many);
@@ -237,6 +305,29 @@ std::vector<Surroundings::Question> Surroundings::questions_of(std::size_t own) 
         questions.push_back({rank, std::move(letter)});
     });
     return questions;
+}
+
+// Tries to find a cell among what is known: the first of its searches that others may have an answer to is a
+// question, and what comes of it is final where there is none.
+void Surroundings::search(std::size_t own, std::vector<Question>& questions) {
+    const Sphere& base = ball(own);
+    std::vector<whole::BallSearch> searches;
+    std::optional<whole::FoundCell> found = whole::common_ball_cell(*decided_, places_[own], searches);
+    for (std::size_t& k = answered_[own]; k < searches.size() && questions.empty(); ++k) {
+        const auto ask = [&](int rank) {
+            Letter letter;
+            letter.put(Kind::Shell);
+            letter.put(base);
+            put_search(letter, searches[k]);
+            questions.push_back({rank, std::move(letter)});
+        };
+        with_search(
+            base, searches[k], [&](const whole::CellMarks& marks) { blocks_.touching(marks, ask); },
+            [&](double reach) { blocks_.near(base.center, reach, ask); });
+    }
+    if (!questions.empty()) return;
+    is_searched_[own] = true;
+    found_[own] = std::move(found);
 }
 
 // One round; returns the number of questions of all ranks.
@@ -273,7 +364,8 @@ std::vector<Letter> Surroundings::answers(const std::vector<Letter>& asked) {
     for (int rank = 0; rank < ranks_.size(); ++rank)
         for (LetterReader in(asked[rank]); !in.at_end();) {
             const auto put = [&](std::uint32_t own) { put_ball(told[rank], rank, own); };
-            if (in.get<Kind>() == Kind::Nearest) {
+            const auto kind = in.get<Kind>();
+            if (kind == Kind::Nearest) {
                 const auto center = in.get<Vec3>();
                 const auto reach = in.get<double>();
                 const auto count = in.get<std::uint32_t>();
@@ -282,6 +374,14 @@ std::vector<Letter> Surroundings::answers(const std::vector<Letter>& asked) {
                 continue;
             }
             const auto base = in.get<Sphere>();
+            if (kind == Kind::Shell) {
+                const auto visit = [&](const Sphere&, std::uint32_t own, const whole::Image&) { put(own); };
+                with_search(
+                    base, get_search(in),
+                    [&](const whole::CellMarks& marks) { offered_.touching(marks, visit); },
+                    [&](double reach) { offered_.within(base.center, reach, visit); });
+                continue;
+            }
             std::vector<ImageTree::Found> nearest(in.get<std::uint32_t>());
             for (ImageTree::Found& f : nearest) {
                 f.ball = in.get<Sphere>();
@@ -296,11 +396,27 @@ std::vector<Letter> Surroundings::answers(const std::vector<Letter>& asked) {
 void Surroundings::settle() {
     steps_.assign(parts_.own.size(), Step::Certain);
     has_asked_.assign(parts_.own.size(), false);
+    is_searched_.assign(parts_.own.size(), false);
+    found_.resize(parts_.own.size());
+    answered_.assign(parts_.own.size(), 0);
     if (!knows_everything_)
         for (std::size_t i = 0; i < parts_.own.size(); ++i)
             if (is_ball(i) && hidden_[i].empty() && decided_->is_bounded(places_[i])) steps_[i] = Step::Begin;
     while (ask() > 0) ++statistics_.rounds;
     statistics_.ghosts = known_.size() - statistics_.replicated;
+}
+
+void Surroundings::settle_bounds(const std::vector<std::size_t>& own) {
+    const std::uint64_t before = ranks_.bytes_sent();
+    if (!knows_everything_)
+        for (const std::size_t i : own) {
+            is_searched_[i] = true;
+            found_[i].reset();
+            steps_[i] = Step::Few;
+        }
+    while (ask() > 0) ++statistics_.rounds;
+    statistics_.ghosts = known_.size() - statistics_.replicated;
+    statistics_.bytes += ranks_.bytes_sent() - before;
 }
 
 }  // namespace vcell::mpi

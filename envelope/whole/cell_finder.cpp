@@ -27,10 +27,6 @@ std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
     return balls;
 }
 
-bool holds(const Box& box, const Vec3& p) {
-    return (p.array() > box.min.array()).all() && (p.array() < box.max.array()).all();
-}
-
 }  // namespace
 
 // ---- The scene --------------------------------------------------------------------------------------
@@ -253,7 +249,6 @@ private:
         const Sphere& base = decided_.ball(object_);
         const Box room = decided_.room(base);
         if (!holds(room, base.center)) return find_cell_beyond(base, room);
-        // A part of a scene holds what may touch a bound, and finds the same from it as any other part.
         if (decided_.is_simple() && kept == nullptr)
             if (auto found = measured_ball_cell(decided_, object_, room, around_, shared_ != nullptr)) {
                 result_ = std::move(found->cell);

@@ -1,6 +1,7 @@
 /// The cells of a diagram, one by one, each among as few objects as prove it complete.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,6 +21,11 @@ void validate_diagram(const DiagramScene& scene);
 /// Where the box repeats coordinates become multiples of one power of two, few enough digits that sums of
 /// several edges are exact. Returns a bound on the distance that they were moved by. Pre: validated.
 double snap_to_grid(DiagramScene& scene);
+
+/// Is the point inside, and on no side?
+inline bool holds(const Box& box, const Vec3& p) {
+    return (p.array() > box.min.array()).all() && (p.array() < box.max.array()).all();
+}
 
 /// What is known of a scene that is too large to be known everywhere.
 struct ScenePart {
@@ -41,16 +47,22 @@ public:
 
     const DiagramScene& scene() const { return part_.scene; }
     double moved() const { return part_.moved; }
-    bool is_whole() const { return part_.numbers.empty(); }
     std::uint32_t number(std::uint32_t i) const { return part_.numbers.empty() ? i : part_.numbers[i]; }
+    /// Pre: the object of that number is known.
+    std::uint32_t place(std::uint32_t number) const {
+        return part_.numbers.empty()
+                   ? number
+                   : static_cast<std::uint32_t>(std::ranges::lower_bound(part_.numbers, number) -
+                                                part_.numbers.begin());
+    }
     bool is_ball(std::uint32_t i) const { return std::holds_alternative<Sphere>(scene().objects[i]); }
     const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(scene().objects[i]); }
     bool is_wall(std::uint32_t i) const {
         const Object& object = scene().objects[i];
         return is_vessel(object) || (has_vessels_ && std::holds_alternative<Plane>(object));
     }
-    /// Are all objects balls, and known, and do cells end nowhere but between them and at the box?
-    bool is_simple() const { return others_.empty() && is_whole() && !scene().probe; }
+    /// Are all objects balls, and do cells end nowhere but between them and at the box?
+    bool is_simple() const { return others_.empty() && !scene().probe; }
     /// Objects that are no balls and are not hidden, ascending.
     const std::vector<std::uint32_t>& others() const { return others_; }
     /// All balls that are not hidden, by their places.
@@ -148,10 +160,10 @@ struct FoundCell {
 /// The cell of an object, complete by itself. Where `cell` is asked for it gets that of a computed ball,
 /// whose sites are numbered as the diagram's objects, or the complete cell of a tube, if there is one, which
 /// then is what is measured. Throws nothing that is about this cell alone. Pre: all balls are known that may
-/// touch its bound, and all within the reach of its competitors; of objects that are not bounded, everything.
+/// touch its bound, and all within the reach of its competitors, and where the diagram is simple and no cell
+/// is asked for, what measured_ball_cell() searches for; of objects that are not bounded, everything.
 DiagramCell find_cell(const DecidedDiagram& decided, std::uint32_t object, std::optional<Cell>* cell);
-/// The cell of a ball where all others are asked for, too. Pre: the diagram is whole, all its objects are
-/// balls, and there is no probe.
+/// The cell of a ball where all others are asked for, too. Pre: that of find_cell(); the diagram is simple.
 FoundCell find_sharing_cell(const DecidedDiagram& decided, std::uint32_t object, const Neighborhood& around);
 
 }  // namespace vcell::whole

@@ -165,7 +165,12 @@ bool CellMarks::may_touch(const Box& centers, double radius) const {
     if (near - over * radius > over * to_ + lost || far < over * from_ - lost) return false;
     const double length = middle.norm() + half.norm(), wide = std::max(std::abs(most), std::abs(least)),
                  size = length * length + wide * wide;
-    if (!(size < farthest && lost < coarseness * (length + wide))) return true;
+    // No ball of these is one that may_touch(ball) does not compare. Of the others that asks for a fourth of
+    // the doubts below.
+    constexpr double more = 0x1p-10;
+    if (!(size * (1 + more) < farthest && lost < 0.5 * coarseness * near &&
+          2 * length * (1 + more) < steepest_ * (near * near - wide * wide - more * size)))
+        return true;
     const auto x = static_cast<float>(middle.x()), y = static_cast<float>(middle.y()),
                z = static_cast<float>(middle.z());
     const auto wx = static_cast<float>(half.x()), wy = static_cast<float>(half.y()),

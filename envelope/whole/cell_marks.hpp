@@ -23,11 +23,20 @@
 
 namespace vcell::whole {
 
+/// The marks of the diagram of a scene in a unit of so many of its own, and what turns them from their
+/// coordinates to those of the scene.
+struct PlacedMarks {
+    SphereMarks marks;
+    Eigen::Matrix3d turn;
+    double unit;
+};
+
 class CellMarks {
 public:
-    /// `turn`: from the marks' coordinates to those of the scene. The marks are those of the diagram of the
-    /// scene in a unit of so many of its own.
+    /// As PlacedMarks has them.
     CellMarks(const Sphere& base, const SphereMarks& marks, const Eigen::Matrix3d& turn, double unit);
+    CellMarks(const Sphere& base, const PlacedMarks& placed)
+        : CellMarks(base, placed.marks, placed.turn, placed.unit) {}
 
     /// Do the marks bound the cell at all?
     bool are_bounds() const { return are_bounds_; }
@@ -35,7 +44,7 @@ public:
     /// No object touches the cell whose surface is this far from the base's centre, or farther.
     double reach() const { return reach_; }
     /// The reach as ImageTree asks for it of any bound: marks do not widen it for large balls.
-    double extent(double) const { return reach_; }
+    double extent(double) const { return to_; }
     /// Balls whose distance() is not in (from, to] are not asked about from now on: they are known, or come
     /// later.
     void look_between(double from, double to) {
@@ -47,7 +56,8 @@ public:
 
     /// Pre: are_bounds(). False of what is not asked about.
     bool may_touch(const Sphere& ball) const;
-    /// May a ball of no more than this radius with its centre in the box?
+    /// May a ball of no more than this radius with its centre in the box? Where the answer is no, that about
+    /// each of these balls is no, too: what a search in a tree finds is a matter of each ball alone.
     bool may_touch(const Box& centers, double radius) const;
 
 private:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../envelope/voronoi_diagram.hpp"
+#include "../../envelope/whole/ball_cell.hpp"
 #include "../../primitives/bases/sphere_base.hpp"
 #include "../test_support.hpp"
 
@@ -121,6 +122,81 @@ TEST_CASE("shared faces: the cells are those that the engine finds, each by itse
             CHECK(sum.fills());
             CHECK(sum.error < 1e-9 * sum.box);
         }
+}
+
+TEST_CASE("shared faces: a cell is the same to the last bit among any balls that its searches do not miss") {
+    using namespace whole;
+    std::mt19937_64 rng(test_seed() + 4);
+    const auto check_equal = [](const std::optional<FoundCell>& a, const std::optional<FoundCell>& b) {
+        REQUIRE(a.has_value() == b.has_value());
+        if (!a) return false;
+        CHECK(a->cell.volume == b->cell.volume);
+        CHECK(a->cell.volume_error == b->cell.volume_error);
+        CHECK(a->cell.area == b->cell.area);
+        CHECK(a->cell.reach == b->cell.reach);
+        CHECK(a->cell.candidates == b->cell.candidates);
+        REQUIRE(a->cell.contacts.size() == b->cell.contacts.size());
+        for (std::size_t k = 0; k < a->cell.contacts.size(); ++k) {
+            CHECK(a->cell.contacts[k].site == b->cell.contacts[k].site);
+            CHECK(a->cell.contacts[k].area == b->cell.contacts[k].area);
+            CHECK(a->cell.contacts[k].area_error == b->cell.contacts[k].area_error);
+        }
+        REQUIRE(a->shared.parts.size() == b->shared.parts.size());
+        for (std::size_t k = 0; k < a->shared.parts.size(); ++k)
+            CHECK(a->shared.parts[k].volume == b->shared.parts[k].volume);
+        return true;
+    };
+    std::size_t common = 0, left_out = 0;
+    for (int kind = 0; kind < 7; ++kind) {
+        CAPTURE(kind);
+        const DiagramScene scene = shared_scene(kind, rng);
+        const DecidedDiagram decided(scene);
+        for (const BallTree::Leaf& leaf : decided.balls().tree().leaves()) {
+            const Neighborhood around(decided, leaf);
+            for (const BallTree::Entry& e : leaf.balls) {
+                CAPTURE(e.number);
+                const Sphere& ball = decided.ball(e.number);
+                std::vector<BallSearch> searches;
+                const auto alone = common_ball_cell(decided, e.number, searches);
+                if (holds(decided.room(ball), ball.center))
+                    check_equal(alone,
+                                measured_ball_cell(decided, e.number, decided.room(ball), &around, true));
+                // What is known: the ball, those that are nearest, and those that are found.
+                std::vector<std::uint32_t> known{e.number};
+                for (const ImageTree::Found& f : decided.competitors(e.number, 20).nearest)
+                    known.push_back(f.number);
+                const auto find = [&](const Sphere&, std::uint32_t number, const Image&) {
+                    known.push_back(number);
+                };
+                for (const BallSearch& search : searches) {
+                    if (search.marks) {
+                        CellMarks marks(ball, *search.marks);
+                        marks.look_between(search.from, search.to);
+                        decided.balls().touching(marks, find);
+                    } else {
+                        decided.balls().within(ball.center, search.to, find);
+                    }
+                }
+                std::ranges::sort(known);
+                known.erase(std::ranges::unique(known).begin(), known.end());
+                ScenePart part;
+                part.scene = decided.scene();
+                part.scene.objects.clear();
+                for (const std::uint32_t number : known)
+                    part.scene.objects.push_back(decided.scene().objects[number]);
+                part.numbers = known;
+                part.hidden.resize(known.size());
+                part.balls = decided.balls().tree().entries().size();
+                const DecidedDiagram of_part(std::move(part));
+                std::vector<BallSearch> again;
+                common += check_equal(alone, common_ball_cell(of_part, of_part.place(e.number), again));
+                CHECK(again.size() == searches.size());
+                left_out += scene.objects.size() - known.size();
+            }
+        }
+    }
+    CHECK(common > 100);
+    CHECK(left_out > 0);
 }
 
 TEST_CASE("shared faces: both cells of a pair have one area, whatever the number of threads") {
