@@ -160,6 +160,7 @@ private:
         scene.box = is_ball(object) ? room(ball(object)) : all.box;
         scene.units = all.units;
         scene.tolerance = all.tolerance;
+        scene.probe = all.probe;
         for (const Candidate& found : near) scene.objects.push_back(found.shape);
 
         // What is not among them is no object.
@@ -261,11 +262,29 @@ private:
                 is_one_left_out_ = true;
             else if (const std::string lack = candidates(i, 0).lack; !lack.empty())
                 certificate_.leave_open(cell_name(i), lack, HUGE_VAL);
+            else if (is_beyond(i) && is_out_of_reach(i))
+                certificate_.prove(cell_name(i));
             else if (is_beyond(i))
                 leave_out(i);
             else
                 certificate_.refute(cell_name(i), "the ball has no cell, and lies in no other object");
         }
+    }
+
+    // Does the ball's cell end at the probe before the box begins? Exactly; a box that repeats is everywhere
+    // along its axes.
+    bool is_out_of_reach(std::uint32_t i) const {
+        const auto& [box, probe] = std::pair(diagram_.scene.box, diagram_.scene.probe);
+        if (!probe) return false;
+        Exact square(0.0);
+        for (int k = 0; k < 3; ++k) {
+            if (diagram_.scene.periodic[static_cast<std::size_t>(k)]) continue;
+            const double c = ball(i).center[k], nearest = std::clamp(c, box.min[k], box.max[k]);
+            const Exact along = Exact(c) - Exact(nearest);
+            square += along * along;
+        }
+        const Exact reach = Exact(ball(i).radius) + Exact(*probe);
+        return (square - reach * reach).sign() != Sign::Negative;
     }
 
     void leave_out(std::uint32_t i) {
@@ -308,10 +327,11 @@ private:
         }
         for (int k = 0; k < 3; ++k)
             box *= Interval(diagram_.scene.box.max[k]) - Interval(diagram_.scene.box.min[k]);
-        // Where all objects but balls in others have cells nothing is left.
-        const bool fills = !is_one_left_out_ && std::ranges::all_of(others_, [&](const auto& other) {
+        // Where all objects but balls in others have cells nothing is left, but what a probe leaves.
+        const bool are_all = !is_one_left_out_ && std::ranges::all_of(others_, [&](const auto& other) {
             return is_whole(other.first);
         });
+        const bool fills = are_all && !diagram_.scene.probe;
         if ((fills && sum.upper() < box.lower()) || box.upper() < sum.lower())
             certificate_.refute("volume",
                                 fmt::format("the cells' volumes add up to {} within {}, the box has {}",
@@ -321,7 +341,8 @@ private:
             certificate_.prove("volume", (sum - box).magnitude());
         else
             certificate_.prove("volume", sum.radius(),
-                               "the rest of the box is nearest to what has no cell here");
+                               are_all ? "the rest of the box is farther from all objects than the probe"
+                                       : "the rest of the box is nearest to what has no cell here");
     }
 
     const StoredDiagram& diagram_;

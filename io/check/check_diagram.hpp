@@ -5,15 +5,15 @@
 /// twice the cell's largest clearance, which certify() proves, too. Where the box repeats these are images
 /// (near_balls.hpp), and none of the cell's faces may lie on a side that repeats. Then
 ///   - a ball without a cell lies in another object, or beyond a vessel's wall, or equals a ball of a lower
-///     number; of one beyond the box, or that the file says it lacks, nothing is said;
+///     number, or a probe that ends cells does not get from it to the box; of another one beyond the box, or
+///     that the file says it lacks, nothing is said;
 ///   - pairs: two cells have as many faces between them, one area within both bounds, and the same vertices,
 ///     by all of their sites and within both errors: what cell i has with the image s of ball j, cell j has
 ///     with the image -s of ball i, moved by s (diagram_pairs.hpp). Cells of tubes that come in parts
 ///     (parts.hpp) cut faces and edges: with these pairs have the same vertices where neither cell leaves
 ///     anything out;
 ///   - the volumes' enclosures add up to one of the box's volume; where there are objects without a cell
-///   here, to
-///     no more.
+///     here, or a probe ends cells, to no more.
 /// Nothing that computed the diagram takes part.
 #pragma once
 
@@ -34,7 +34,7 @@ struct StoredDiagram {
     double moved = 0;
     /// By object, ascending; of a plane first that on the side of its normal, if it has both. Sites of
     /// elements are places in `images` of the cells' scenes, which have nothing else but the object as
-    /// `base`, a plane turned to the side of its cell.
+    /// `base`, a plane turned to the side of its cell, and the probe.
     std::vector<std::pair<std::uint32_t, Cell>> cells;
     /// Objects whose cells the file has not, or of planes not on both sides, and why; ascending.
     struct Lacking {
@@ -46,7 +46,7 @@ struct StoredDiagram {
 
 /// Elements are named "cells[7].vertices[3]", by the object's number, of a plane with its side, "cells[8-]",
 /// "pairs[7, 9(0,-1,0)]" and "volume". The bytes are the same for any number of threads. Pre: the scene is
-/// valid, without a probe, and the cells are of its balls, planes and tubes.
+/// valid, and the cells are of its balls, planes and tubes.
 Certificate certify(const StoredDiagram& diagram, const CheckOptions& options = {}, unsigned threads = 1);
 
 }  // namespace vcell

@@ -17,14 +17,6 @@ namespace {
 
 using Kind = InputError::Kind;
 
-[[noreturn]] void fail_unsupported(const std::string& path, const char* what) {
-    throw InputError(Kind::Unsupported, InputError::no_object, path, what);
-}
-
-void refuse_probe(const DiagramScene& scene) {
-    if (scene.probe) fail_unsupported("probe", "is of no diagram that is written as a file");
-}
-
 // Whose cell it is, as a base: of a plane, turned to the side that the cell is on.
 Object base_of(const Object& object, std::optional<bool> side) {
     const auto* plane = std::get_if<Plane>(&object);
@@ -42,7 +34,8 @@ DiagramScene read_scene(JsonReader& in, double& moved) {
         optional_member("tilt", [&] { in.array_of(3, [&](std::size_t i) { scene.tilt[i] = in.number(); }); }),
         optional_member("moved", [&] { moved = in.number(); }),
         optional_member("units", [&] { scene.units = in.string(); }),
-        optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
+        optional_member("tolerance", [&] { scene.tolerance = in.number(); }),
+        optional_member("probe", [&] { scene.probe = in.number(); }));
     return scene;
 }
 
@@ -64,6 +57,7 @@ void write_scene(JsonWriter& out, const DiagramScene& scene, double moved) {
         }
         out.key("units").value(scene.units);
         if (scene.tolerance) out.key("tolerance").value(*scene.tolerance);
+        if (scene.probe) out.key("probe").value(*scene.probe);
     });
 }
 
@@ -83,7 +77,6 @@ void require_images(const StoredDiagram& diagram) {
 
 DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene)
     : out_(out), writer_(out), objects_(scene.objects), is_added_(scene.objects.size(), false) {
-    refuse_probe(scene);
     whole::validate_diagram(scene);
     DiagramScene decided = scene;
     const double moved = whole::snap_to_grid(decided);
@@ -170,7 +163,6 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
         return std::nullopt;
     }
     in.end();
-    refuse_probe(diagram.scene);
     whole::validate_diagram(diagram.scene);
     require_images(diagram);
     const auto fail = [](const char* what) {
@@ -186,6 +178,7 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
         if (std::holds_alternative<Plane>(whose) != sides[i].has_value())
             fail("has a cell of a plane without its side, or one with a side of what is none");
         cell.scene.base = base_of(whose, sides[i]);
+        cell.scene.probe = diagram.scene.probe;
     }
     return diagram;
 }

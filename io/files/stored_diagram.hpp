@@ -15,8 +15,8 @@ namespace vcell {
 /// Writes the file as its cells are computed: add() is made for DiagramOptions::visit.
 class DiagramWriter {
 public:
-    /// Throws InputError (Unsupported) for a scene with a probe, and as voronoi_diagram().
-    /// What repeats is written as it was decided about: moved to its binary grid.
+    /// Throws as voronoi_diagram(). What repeats is written as it was decided about: moved to its binary
+    /// grid.
     DiagramWriter(std::ostream& out, const DiagramScene& scene);
 
     /// Adds an object's cell. A plane has two: the one to which its normal points comes first.

@@ -90,6 +90,65 @@ TEST_CASE("check of a diagram: what is damaged is objected to") {
     }
 }
 
+TEST_CASE("check of a diagram: cells that end at a probe are proved, and refuted where they are damaged") {
+    std::mt19937_64 rng(test_seed() + 2);
+    std::uniform_real_distribution<double> off(-0.05, 0.05);
+    DiagramScene scene;
+    scene.box = {Vec3::Constant(-1.5), Vec3::Constant(1.5)};
+    for (int i = 0; i < 8; ++i)
+        scene.objects.push_back(Sphere{{(i & 1 ? 0.4 : -0.4) + off(rng), (i & 2 ? 0.4 : -0.4) + off(rng),
+                                        (i & 4 ? 0.4 : -0.4) + off(rng)},
+                                       0.35 + off(rng)});
+    scene.probe = 0.25;
+    // Beyond the box: within the probe's reach of a side, out of it, and out of it towards a corner.
+    const auto beyond = static_cast<std::uint32_t>(scene.objects.size());
+    scene.objects.push_back(Sphere{{0, 0, 1.75}, 0.125});
+    scene.objects.push_back(Sphere{{0, 1, 1.9}, 0.125});
+    scene.objects.push_back(Sphere{{1.75, 1.75, 1.75}, 0.125});
+    const std::string text = text_of(scene);
+    StoredDiagram whole = *parse_diagram(text);
+    CHECK(whole.scene.probe == scene.probe);
+    REQUIRE(whole.lacking.size() == 1);
+    CHECK(whole.lacking[0].object == beyond);
+    const Certificate good = certify(whole);
+    check_proved(good);
+    CHECK(has_verdict(good, "cells[" + std::to_string(beyond + 1) + "]", Verdict::proved));
+    CHECK(has_verdict(good, "cells[" + std::to_string(beyond + 2) + "]", Verdict::proved));
+    const auto capped = std::ranges::find_if(whole.cells, [](const auto& c) {
+        return std::ranges::any_of(c.second.faces, [](const CellFace& f) { return f.site == Site::cap(); });
+    });
+    REQUIRE(capped != whole.cells.end());
+    const std::string name = "cells[" + std::to_string(capped->first) + "]";
+    SUBCASE("another probe") {
+        *whole.scene.probe *= 1 + 1e-4;
+        CHECK(has_verdict(certify(whole), name, Verdict::refuted));
+    }
+    SUBCASE("none") {
+        whole.scene.probe.reset();
+        CHECK(objects_to(certify(whole), name));
+    }
+    SUBCASE("one that gets to the ball beyond the corner") {
+        std::get<Sphere>(whole.scene.objects[beyond + 2]).radius = 0.2;
+        CHECK(objects_to(certify(whole), "cells[" + std::to_string(beyond + 2) + "]"));
+    }
+    SUBCASE("a volume of more than the box") {
+        capped->second.measures.volume += 27;
+        CHECK(objects_to(certify(whole), "volume"));
+    }
+}
+
+TEST_CASE("check of a diagram: a probe ends cells of planes and tubes, and such in boxes that repeat") {
+    DiagramScene scene;
+    scene.box = {Vec3::Constant(-1), Vec3::Constant(1)};
+    scene.objects = {Plane{{0, 0, -0.9}, {0, 0, 1}}, Cylinder{{0, 0.5, 0}, {1, 0, 0}, 0.125},
+                     Sphere{{0, -0.375, 0}, 0.25}};
+    scene.probe = 0.5;
+    check_proved(certify(stored(scene, true)));
+    scene.objects = {Sphere{{0, 0, 0}, 0.25}, Sphere{{0.75, 0.5, 0.875}, 0.125}};
+    scene.periodic = {true, true, false};
+    check_proved(certify(stored(scene)));
+}
+
 TEST_CASE("check of a diagram: tubes and planes that others hold own nothing") {
     DiagramScene scene;
     scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
@@ -130,10 +189,7 @@ TEST_CASE("diagram file: what is none, or without balls, is refused") {
     CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], )" + box + R"(, "cells": []})") == "objects");
     CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [], "colour": 1, )" + box + R"(, "cells": []})") ==
           "diagram.colour");
-    std::ostringstream out;
-    DiagramScene scene;
-    scene.box = {{0, 0, 0}, {1, 1, 1}};
-    scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.1}};
-    scene.probe = 0.2;
-    CHECK_THROWS_AS(DiagramWriter(out, scene), InputError);
+    CHECK(path_of(R"({"vcell": 1, "diagram": {"objects": [{"sphere": {"center": [0, 0, 0], "radius": 1}}], )"
+                  R"("probe": -1, )" +
+                  box + R"(, "cells": []})") == "probe");
 }

@@ -131,7 +131,7 @@ def main():
         if diagrams == 1:
             refused += agree(valid["diagram_scene"], scene, reads("diagram"), faults, scene_path)
         file_path = folder / "diagram.json"
-        if "probe" in scene or run("diagram", scene_path, "-o", str(file_path)) != 0:
+        if run("diagram", scene_path, "-o", str(file_path)) != 0:
             continue
         whole = load(file_path)
         files += 1
