@@ -199,6 +199,20 @@ TEST_CASE("shared faces: a cell is the same to the last bit among any balls that
     CHECK(left_out > 0);
 }
 
+// Where the nearest balls leave a face much room on one side, it is not thought to have it on all sides.
+TEST_CASE("shared faces: cells with a wide face among few of their neighbours find the others") {
+    std::mt19937_64 rng(test_seed() + 5);
+    std::uniform_real_distribution<double> at(0, 1);
+    for (int round = 0; round < 3; ++round) {
+        DiagramScene scene;
+        scene.box = {Vec3::Zero(), Vec3::Ones()};
+        scene.periodic = {true, true, true};
+        for (int i = 0; i < 300; ++i)
+            scene.objects.push_back(Sphere{{at(rng), at(rng), at(rng)}, 0.03 * at(rng)});
+        for (const DiagramCell& cell : voronoi_diagram(scene).cells) CHECK(cell.candidates < 320);
+    }
+}
+
 TEST_CASE("shared faces: both cells of a pair have one area, whatever the number of threads") {
     std::mt19937_64 rng(test_seed() + 1);
     for (int kind = 0; kind < 7; ++kind) {
