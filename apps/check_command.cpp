@@ -51,7 +51,9 @@ Status CheckCommand::run() const {
             certificate = certify(*diagram, options_, threads_.count());
             const bool fills = certificate.elements.back().what.empty();
             what = fmt::format("{} cells {}", diagram->cells.size(),
-                               fills ? "that fill their box" : "among other objects");
+                               fills                  ? "that fill their box"
+                               : diagram->scene.probe ? "up to a probe's distance"
+                                                      : "among other objects");
         } else {
             const Cell cell = parse_cell(text);
             certificate = certify(cell, options_);

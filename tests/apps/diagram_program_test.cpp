@@ -162,7 +162,10 @@ TEST_CASE("program: a diagram's file is checked as a cell's is") {
     const Outcome damaged = work.run("check -", text);
     CHECK(damaged.status == 4);
     CHECK(damaged.out.find("cells[") != std::string::npos);
-    CHECK(work.run("diagram balls.txt --probe 1 -o all.json").status == 2);
+    REQUIRE(work.run("diagram balls.txt --probe 1 -o all.json").status == 0);
+    const Outcome with_probe = work.run("check all.json");
+    CHECK(with_probe.status == 0);
+    CHECK(with_probe.out.starts_with("ok: 3 cells up to a probe's distance; the boundary is within "));
 }
 
 TEST_CASE("program: files of boxes that repeat, and of balls in a vessel, are checked, too") {
