@@ -55,6 +55,16 @@ void require_pages(const std::string& target) {
             target == "-" ? "html" : target));
 }
 
+std::vector<std::string> arguments(int argc, const char* const* argv) {
+    std::vector<std::string> all;
+    for (int i = argc - 1; i > 0; --i) {
+        std::string& text = all.emplace_back(argv[i]);
+        if (text.size() > 2 && text.starts_with("-.") && text[2] >= '0' && text[2] <= '9')
+            text.insert(1, "0");
+    }
+    return all;
+}
+
 std::string number_complaint(const std::string& text) {
     const std::optional<double> value =
         to_double(std::string_view(text).substr(text.starts_with('+') ? 1 : 0));

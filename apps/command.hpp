@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "../core/errors.hpp"
 
@@ -58,6 +59,10 @@ struct Chord {
     bool is_relative = false;
 };
 std::optional<Chord> to_chord(std::string_view text);
+
+/// A program's arguments as the option parser takes them, the last one first. It would take -.5 for an
+/// option: it gets -0.5.
+std::vector<std::string> arguments(int argc, const char* const* argv);
 
 // The option parser asks these before it converts: an empty answer is consent.
 std::string number_complaint(const std::string& text);

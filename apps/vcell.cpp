@@ -428,7 +428,7 @@ int run(int argc, char** argv) {
     Refine refine(app);
     DiagramCommand diagram(app);
     try {
-        app.parse(argc, argv);
+        app.parse(arguments(argc, argv));
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? done : wrong_usage;
     }

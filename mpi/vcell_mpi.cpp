@@ -23,7 +23,7 @@ int run(Ranks& ranks, int argc, char** argv) {
     });
     const MpiDiagram diagram(app);
     try {
-        app.parse(argc, argv);
+        app.parse(arguments(argc, argv));
     } catch (const CLI::ParseError& e) {
         // All ranks have the same command line; one says what is wrong with it.
         if (!ranks.is_first()) return e.get_exit_code() == 0 ? done : wrong_usage;

@@ -145,6 +145,15 @@ TEST_CASE("program: diagram of a box that repeats, from JSON and from options") 
     CHECK(work.run("diagram scene.json --threads 2 --contacts -").out == from_json.out);
 }
 
+TEST_CASE("program: numbers may begin with their point") {
+    const Workplace work;
+    work.write("balls.txt", "0 0 0 0.5\n1.5 0 0 0.3\n");
+    const Outcome short_ones = work.run("diagram balls.txt --box -.75 -1 -.5 3 3 .75");
+    CHECK(short_ones.status == 0);
+    CHECK(short_ones.out == work.run("diagram balls.txt --box -0.75 -1 -0.5 3 3 0.75").out);
+    CHECK(work.run("diagram balls.txt -.x").status == 1);
+}
+
 TEST_CASE("program: a diagram's file is checked as a cell's is") {
     const Workplace work;
     work.write("balls.txt", "0 0 0 0.5\n1.5 0 0 0.3\n0.2 1 0.4 0.2\n0 0 0.1 0.1\n");
