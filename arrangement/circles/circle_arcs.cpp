@@ -1,4 +1,6 @@
 #include "circle_arcs.hpp"
+#include "curve_order.hpp"
+#include "point_star.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -71,8 +73,8 @@ const CircleArcs::Meeting& CircleArcs::meeting(const Key& key, const Eigen::Vect
             m.kind = Meeting::Kind::Crossing;
             // Two lines have one point: ask first for the turn that doubles expect.
             const auto gradient = [&](FormPair curve) {
-                const auto f = CircleKernel::jet(kernel_.form(curve.f), near.x(), near.y());
-                const auto g = CircleKernel::jet(kernel_.form(curve.g), near.x(), near.y());
+                const auto f = kernel_.form(curve.f).jet(near.x(), near.y());
+                const auto g = kernel_.form(curve.g).jet(near.x(), near.y());
                 return Eigen::Vector2d(f.gx - g.gx, f.gy - g.gy);
             };
             const Eigen::Vector2d u = gradient(c), v = gradient(d);
@@ -191,7 +193,7 @@ void CircleArcs::cut_arc(FormPair c, PointId p, PointId q, std::vector<Arc>& out
         const bool rightward = lower == counter_clockwise;
         const PointId extreme = rightward ? right : left;
         // A third piece runs on the half of the first, towards an extreme point that has been passed.
-        const bool last = piece == 2 || !kernel_.strictly_between(c, p, q, extreme);
+        const bool last = piece == 2 || !CurveOrder(kernel_, c).strictly_between(p, q, extreme);
         const PointId to = last ? q : extreme;
         const Shape shape = lower ? Shape::Lower : Shape::Upper;
         out.push_back(rightward ? make_arc(c, from, to, shape) : make_arc(c.reversed(), to, from, shape));
@@ -251,9 +253,9 @@ Sign CircleArcs::compare_y_right_of(const Arc& a, const Arc& b, PointId p) {
     const Sign turn = turn_at(p, b.curve, a.curve);
     if (turn != Sign::Zero) return turn;
     // Opposite directions: from the leftmost point of two circles, one goes up and one goes down.
-    if (by_half != Sign::Zero && !kernel_.same_direction(p, a.curve, b.curve)) return by_half;
+    if (by_half != Sign::Zero && !PointStar(kernel_, p).same_direction(a.curve, b.curve)) return by_half;
     // The one that bends further left is above.
-    return kernel_.sign_beside_touching(p, b.curve, a.curve);
+    return PointStar(kernel_, p).sign_beside_touching(b.curve, a.curve);
 }
 
 bool CircleArcs::lies_on(const Arc& a, PointId p) {

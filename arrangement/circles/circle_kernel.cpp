@@ -50,37 +50,16 @@ Eigen::Vector2d step_from_singular(const RoughJet& f, const RoughJet& g) {
     return t / std::sqrt(steep.square()) * Eigen::Vector2d(-steep.gy, steep.gx);
 }
 
+// Boxes may be generous. Where the gradient keeps six digits and the ends are eight digits closer known than
+// they are apart, angles are good to angle_margin (radians) and lengths to length_margin (relative).
+constexpr double angle_margin = 1e-7, length_margin = 1e-6;
 }  // namespace
 
 void CircleKernel::reset(const CircularFamily* family) {
-    family_ = family;
-    forms_.clear();
-    sources_.clear();
+    CircleCurves::reset(family);
     points_.clear();
-    exact_forms_.clear();
     exact_points_.clear();
     exact_point_index_.clear();
-    forms_.push_back({0, 0, 0, 0, 0, 0, 1, 0});
-    sources_.push_back({});
-}
-
-FormId CircleKernel::add_line(double a, double b, double c) {
-    forms_.push_back({0, 0, 0, a, b, c, 1, 0});
-    return sources_.push_back({});
-}
-
-FormId CircleKernel::add_form(FormId in_family) {
-    return add_form(in_family, make_form(family_->forms[in_family]));
-}
-
-FormId CircleKernel::add_form(FormId in_family, const Form& made) {
-    forms_.push_back(made);
-    return sources_.push_back({in_family});
-}
-
-CircleKernel::Form CircleKernel::make_form(const CircularForm& f) {
-    const double iw = 1 / f.w;
-    return {f.k, f.cx, f.cy, f.a, f.b, f.e, iw, f.k * iw};
 }
 
 // --- First rung --------------------------------------------------------------------------------------
@@ -89,12 +68,12 @@ CircleKernel::Form CircleKernel::make_form(const CircularForm& f) {
 // 2 (K1, K2)^T (q - p)^T between p and q: eta >= |J^-1 F(p)| and omega >= 2 |J^-1 (K1, K2)^T|. J is regular
 // as far as the root, so the sign of det J there is its sign at p.
 bool CircleKernel::certify(KernelPoint& p) const {
-    const Jet f1 = jet(forms_[p.first.f], p.x, p.y), g1 = jet(forms_[p.first.g], p.x, p.y);
-    const Jet f2 = jet(forms_[p.second.f], p.x, p.y);
-    const Jet g2 = p.second.g == p.first.f   ? f1
-                   : p.second.g == p.first.g ? g1
-                                             : jet(forms_[p.second.g], p.x, p.y);
-    const Jet a = difference(f1, g1), b = difference(f2, g2);
+    const FormJet f1 = forms_[p.first.f].jet(p.x, p.y), g1 = forms_[p.first.g].jet(p.x, p.y);
+    const FormJet f2 = forms_[p.second.f].jet(p.x, p.y);
+    const FormJet g2 = p.second.g == p.first.f   ? f1
+                       : p.second.g == p.first.g ? g1
+                                                 : forms_[p.second.g].jet(p.x, p.y);
+    const FormJet a = f1 - g1, b = f2 - g2;
     const double det = cross(a.gx, a.gy, b.gx, b.gy);
     const double a1 = std::abs(a.gx) + std::abs(a.gy), b1 = std::abs(b.gx) + std::abs(b.gy);
     const double det_error = (a.eg * b1 + b.eg * a1 + 2 * a.eg * b.eg + 4 * u * a1 * b1) * slop + tiny;
@@ -120,7 +99,7 @@ std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, Form
                                                                 const Eigen::Vector2d& near,
                                                                 bool moved) const {
     const auto rough = [&](FormId id) {
-        const Form& f = forms_[id];
+        const KernelForm& f = forms_[id];
         const double dx = near.x() - f.cx, dy = near.y() - f.cy;
         return RoughJet{(f.k * (dx * dx + dy * dy) + (f.a * near.x() + f.b * near.y() + f.e)) * f.iw,
                         (2 * f.k * dx + f.a) * f.iw, (2 * f.k * dy + f.b) * f.iw, f.K};
@@ -150,7 +129,7 @@ std::optional<KernelPoint> CircleKernel::certified_intersection(FormPair c, Form
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !certify(p)) return elsewhere();
     if (p.error > 1e3 * DBL_EPSILON * (std::abs(p.x) + std::abs(p.y) + std::sqrt(aa))) {
         // The far root loses digits in a + b X; one Newton step gets them back, if they are to be had.
-        const Jet f1 = difference(c, p.x, p.y), g1 = difference(d, p.x, p.y);
+        const FormJet f1 = jet(c, p.x, p.y), g1 = jet(d, p.x, p.y);
         const double inv1 = -1 / cross(f1.gx, f1.gy, g1.gx, g1.gy);
         KernelPoint better = p;
         better.x += (g1.gy * f1.v - f1.gy * g1.v) * inv1;
@@ -165,32 +144,21 @@ std::optional<PointId> CircleKernel::intersection(FormPair c, FormPair d, Sign o
     assert(orientation != Sign::Zero);
     if (const auto p = certified_intersection(c, d, orientation, near)) return points_.push_back(*p);
     ++decisions_.by_exact;
-    auto exact = exact_intersection(exact_curve(c), exact_curve(d), orientation);
+    auto exact = vcell::intersection(exact_curve(c), exact_curve(d), orientation);
     if (!exact) return std::nullopt;
     return add_exact_point(c, d, orientation, std::move(*exact));
 }
 
-double CircleKernel::lower_bound(FormId f, FormId g, double x0, double x1, double y0, double y1) const {
-    const double x = 0.5 * x0 + 0.5 * x1, y = 0.5 * y0 + 0.5 * y1;
-    const double rx = std::max(x1 - x, x - x0) * slop, ry = std::max(y1 - y, y - y0) * slop;
-    return lower_bound(jet(forms_[f], x, y), jet(forms_[g], x, y), rx, ry);
-}
-
-std::array<double, 2> CircleKernel::height(FormId f, double x, double y) const {
-    const Jet j = jet(forms_[f], x, y);
-    return {j.v, j.ev};
-}
-
 std::array<double, 2> CircleKernel::height(FormId f, PointId p) const {
     const KernelPoint& q = points_[p];
-    const Jet j = jet(forms_[f], q.x, q.y);
+    const FormJet j = forms_[f].jet(q.x, q.y);
     const double slope = std::abs(j.gx) + std::abs(j.gy) + 2 * j.eg + (j.K + j.eK) * q.error;
     return {j.v, (j.ev + slope * q.error) * slop + tiny};
 }
 
-Sign CircleKernel::sign_at(PointId p, FormId f, FormId g, Jet& d) {
+Sign CircleKernel::sign_at(PointId p, FormId f, FormId g, FormJet& d) {
     const KernelPoint& q = points_[p];
-    d = difference({f, g}, q.x, q.y);
+    d = jet({f, g}, q.x, q.y);
     // |F(true) - F(q)| <= |grad F| r + |K| r^2 on the disk of radius r: the difference's own gradient.
     const double slope = std::abs(d.gx) + std::abs(d.gy) + 2 * d.eg + (std::abs(d.K) + d.eK) * q.error;
     const double bound = (d.ev + slope * q.error) * slop + tiny;
@@ -200,7 +168,7 @@ Sign CircleKernel::sign_at(PointId p, FormId f, FormId g, Jet& d) {
     }
     // The forms' coefficients as intervals, relative to the point: tighter by the constants only, but it
     // is the exact rung's last chance to be spared.
-    const auto value = [&](const Form& h) {
+    const auto value = [&](const KernelForm& h) {
         const Interval e = Interval(h.e) * Interval(1 - 8 * u, 1 + 8 * u);
         const Interval a = Interval(h.a) * Interval(1 - 8 * u, 1 + 8 * u);
         const Interval b = Interval(h.b) * Interval(1 - 8 * u, 1 + 8 * u);
@@ -215,91 +183,86 @@ Sign CircleKernel::sign_at(PointId p, FormId f, FormId g, Jet& d) {
         return *s;
     }
     ++decisions_.by_exact;
-    return sign(exact_value(exact_curve({f, g}), exact_point(p)));
+    return sign(exact_curve({f, g}).value(exact_point(p)));
 }
 
 Sign CircleKernel::turn_at(PointId p, FormPair c, FormPair d) {
     const KernelPoint& q = points_[p];
     if (q.first == c && q.second == d && !(c == d)) return q.orientation;
-    const Jet a = difference(c, q.x, q.y), b = difference(d, q.x, q.y);
+    const FormJet a = jet(c, q.x, q.y), b = jet(d, q.x, q.y);
     const double det = cross(a.gx, a.gy, b.gx, b.gy);
     if (std::abs(det) > gradient_product_error(a, b, q.error)) {
         ++decisions_.by_double;
         return sign_of(det);
     }
     ++decisions_.by_exact;
-    const auto g = exact_gradient(exact_curve(c), exact_point(p));
-    const auto h = exact_gradient(exact_curve(d), exact_point(p));
+    const auto g = exact_curve(c).gradient(exact_point(p));
+    const auto h = exact_curve(d).gradient(exact_point(p));
     return sign(g[0] * h[1] - g[1] * h[0]);
-}
-
-// Asked of parallel gradients: then doubles tell unless one of them all but vanishes.
-Sign CircleKernel::along_sign(PointId p, FormPair c, FormPair d) {
-    const KernelPoint& q = points_[p];
-    const Jet a = difference(c, q.x, q.y), b = difference(d, q.x, q.y);
-    const double dot = a.gx * b.gx + a.gy * b.gy;
-    if (std::abs(dot) > gradient_product_error(a, b, q.error)) {
-        ++decisions_.by_double;
-        return sign_of(dot);
-    }
-    ++decisions_.by_exact;
-    const auto g = exact_gradient(exact_curve(c), exact_point(p));
-    const auto h = exact_gradient(exact_curve(d), exact_point(p));
-    return sign(g[0] * h[0] + g[1] * h[1]);
 }
 
 // Does some line through both points have no slope in that variable, so that they share the other coordinate?
 // The coefficients of lines are exact, and so is this answer. Piece and region sides along an axis carry many
 // points.
-bool CircleKernel::share_line(PointId p, PointId q, double Form::*slope) const {
+bool CircleKernel::share_line(PointId p, PointId q, double KernelForm::*slope) const {
     const KernelPoint &a = points_[p], &b = points_[q];
     const auto is_on = [&](const KernelPoint& point, FormPair c) {
         return point.first == c || point.second == c || point.first == c.reversed() ||
                point.second == c.reversed();
     };
     return std::ranges::any_of(std::array{a.first, a.second}, [&](FormPair c) {
-        return !sources_[c.f].in_family.valid() && !sources_[c.g].in_family.valid() &&
-               forms_[c.f].*slope == forms_[c.g].*slope && is_on(b, c);
+        return is_line(c.f) && is_line(c.g) && forms_[c.f].*slope == forms_[c.g].*slope && is_on(b, c);
     });
 }
 
-Sign CircleKernel::compare_x(PointId p, PointId q) {
+// A coordinate of points in doubles and exactly, and the coefficient of it in a line.
+struct CoordinateX {
+    double in_doubles(const KernelPoint& p) const { return p.x; }
+    OneRoot exact(const ExactCirclePoint& p) const { return p.x(); }
+    double KernelForm::*slope = &KernelForm::b;  // of the other one
+};
+struct CoordinateY {
+    double in_doubles(const KernelPoint& p) const { return p.y; }
+    OneRoot exact(const ExactCirclePoint& p) const { return p.y(); }
+    double KernelForm::*slope = &KernelForm::a;
+};
+
+template <class Coordinate>
+Sign CircleKernel::compare(PointId p, PointId q, Coordinate coordinate) {
     if (p == q) return Sign::Zero;
     const KernelPoint &a = points_[p], &b = points_[q];
-    const double d = a.x - b.x;
+    const double d = coordinate.in_doubles(a) - coordinate.in_doubles(b);
     if (std::abs(d) > (a.error + b.error + u * std::abs(d)) * slop) {
         ++decisions_.by_double;
         return sign_of(d);
     }
-    if (share_line(p, q, &Form::b)) {
+    if (share_line(p, q, coordinate.slope)) {
         ++decisions_.by_double;
         return Sign::Zero;
     }
     ++decisions_.by_exact;
-    const ExactPoint &e = exact_point(p), &f = exact_point(q);
-    return compare({e.px, e.rx, e.d}, e.w, {f.px, f.rx, f.d}, f.w);
+    const ExactCirclePoint &e = exact_point(p), &f = exact_point(q);
+    return vcell::compare(coordinate.exact(e), e.w, coordinate.exact(f), f.w);
 }
 
-Sign CircleKernel::compare_y(PointId p, PointId q) {
-    if (p == q) return Sign::Zero;
-    const KernelPoint &a = points_[p], &b = points_[q];
-    const double d = a.y - b.y;
-    if (std::abs(d) > (a.error + b.error + u * std::abs(d)) * slop) {
-        ++decisions_.by_double;
-        return sign_of(d);
-    }
-    if (share_line(p, q, &Form::a)) {
-        ++decisions_.by_double;
-        return Sign::Zero;
-    }
-    ++decisions_.by_exact;
-    const ExactPoint &e = exact_point(p), &f = exact_point(q);
-    return compare({e.py, e.ry, e.d}, e.w, {f.py, f.ry, f.d}, f.w);
-}
+Sign CircleKernel::compare_x(PointId p, PointId q) { return compare(p, q, CoordinateX()); }
+Sign CircleKernel::compare_y(PointId p, PointId q) { return compare(p, q, CoordinateY()); }
 
 Sign CircleKernel::compare_xy(PointId p, PointId q) {
     const Sign s = compare_x(p, q);
     return s != Sign::Zero ? s : compare_y(p, q);
+}
+
+Sign CircleKernel::side_of_center(PointId p, FormPair c) {
+    const KernelPoint& q = points_[p];
+    const FormJet j = jet(c, q.x, q.y);
+    if (std::abs(j.gy) > gradient_error(j, q.error) + tiny && std::abs(j.K) > j.eK) {
+        ++decisions_.by_double;
+        return sign_of(j.gy) * sign_of(j.K);
+    }
+    ++decisions_.by_exact;
+    const ExactCurve e = exact_curve(c);
+    return sign(e.gradient(exact_point(p))[1]) * e.K.sign();
 }
 
 // --- Relations of two curves ---------------------------------------------------------------------------
@@ -311,7 +274,7 @@ Sign CircleKernel::intersection_sign(FormPair c, FormPair d, const Eigen::Vector
         return Sign::Positive;
     }
     // The discriminant about `near`, where the coefficients are small: D^2 - 4 Z as above, in intervals.
-    const Jet f = difference(c, near.x(), near.y()), g = difference(d, near.x(), near.y());
+    const FormJet f = jet(c, near.x(), near.y()), g = jet(d, near.x(), near.y());
     const Interval C1 = Interval::ball(f.v, f.ev), A1 = Interval::ball(f.gx, f.eg),
                    B1 = Interval::ball(f.gy, f.eg), K1 = Interval::ball(f.K, f.eK);
     const Interval C2 = Interval::ball(g.v, g.ev), A2 = Interval::ball(g.gx, g.eg),
@@ -326,76 +289,96 @@ Sign CircleKernel::intersection_sign(FormPair c, FormPair d, const Eigen::Vector
     }
     ++decisions_.by_exact;
     const ExactCurve ec = exact_curve(c), ed = exact_curve(d);
-    if (ec.K.sign() == Sign::Zero && ed.K.sign() == Sign::Zero)
+    if (ec.is_line() && ed.is_line())
         return (ec.A * ed.B - ec.B * ed.A).sign() == Sign::Zero ? Sign::Negative : Sign::Positive;
     if ((ed.K * ec.A - ec.K * ed.A).sign() == Sign::Zero && (ed.K * ec.B - ec.K * ed.B).sign() == Sign::Zero)
         return Sign::Negative;
-    return exact_discriminant(ec, ed).sign();
+    return discriminant(ec, ed).sign();
 }
 
-// Two curves are the same if (K, A, B, C) of one is a multiple of the other's, about any place: if no minor
-// of the two rows is other than zero. The place is one about which a form of c has small coefficients.
-bool CircleKernel::same_curve(FormPair c, FormPair d) {
-    const Form& place = forms_[c.f].k != 0 ? forms_[c.f] : forms_[c.g];
-    const auto row = [&](FormPair pair) {
-        const Jet j = difference(pair, place.cx, place.cy);
-        return std::array{Interval::ball(j.K, j.eK), Interval::ball(j.gx, j.eg), Interval::ball(j.gy, j.eg),
-                          Interval::ball(j.v, j.ev)};
-    };
-    const auto r = row(c), s = row(d);
-    for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < i; ++j)
-            if (!(r[i] * s[j] - r[j] * s[i]).contains(0)) {
-                ++decisions_.by_interval;
-                return false;
-            }
-    ++decisions_.by_exact;
-    const ExactCurve e = exact_curve(c), f = exact_curve(d);
-    const auto zero = [](const Exact& a, const Exact& b, const Exact& p, const Exact& q) {
-        return (a * q - b * p).sign() == Sign::Zero;
-    };
-    return zero(e.K, e.A, f.K, f.A) && zero(e.K, e.B, f.K, f.B) && zero(e.K, e.C, f.K, f.C) &&
-           zero(e.A, e.B, f.A, f.B) && zero(e.A, e.C, f.A, f.C) && zero(e.B, e.C, f.B, f.C);
+// --- Points in exact numbers, and boxes of arcs --------------------------------------------------------
+
+PointId CircleKernel::add_exact_point(FormPair c, FormPair d, Sign orientation, ExactCirclePoint exact) {
+    const Interval x = enclosure(exact.x(), exact.w);
+    const Interval y = enclosure(exact.y(), exact.w);
+    const double error = std::hypot(x.radius(), y.radius()) * 1.5 + tiny;
+    const PointId p = points_.push_back({x.mid(), y.mid(), error, c, d, orientation});
+    exact_point_index_.resize(points_.size(), -1);
+    exact_point_index_[p.value] = static_cast<std::int32_t>(exact_points_.size());
+    exact_points_.push_back(std::move(exact));
+    return p;
 }
 
-Sign CircleKernel::curvature_sign(FormPair c) {
-    const double kf = forms_[c.f].K, kg = forms_[c.g].K;
-    const double K = kf - kg;
-    if (std::abs(K) > K_roundings * (std::abs(kf) + std::abs(kg)) * slop || (kf == 0 && kg == 0)) {
-        ++decisions_.by_double;
-        return sign_of(K);
-    }
-    ++decisions_.by_exact;
-    const ExactForm &f = exact_form(c.f), &g = exact_form(c.g);
-    return (f.K * g.W - g.K * f.W).sign();
+PointId CircleKernel::touching_point(FormPair c, FormPair d) {
+    auto exact = vcell::intersection(exact_curve(c), exact_curve(d), Sign::Zero);
+    assert(exact);
+    return add_exact_point(c, d, Sign::Zero, std::move(*exact));
 }
 
-// |grad F|^2 - 4 K F is the same everywhere: 4 K^2 r^2. Evaluate it where |grad F| is least, at the centre;
-// of what may be a line, where doubles know none, near a form.
-Sign CircleKernel::radius_sign(FormPair c) {
-    const Form &f = forms_[c.f], &g = forms_[c.g];
-    const double K = f.K - g.K;
-    double x = f.cx, y = f.cy;
-    if (std::abs(K) > 4 * K_roundings * (std::abs(f.K) + std::abs(g.K))) {
-        // The centre solves grad F = 0; any point near it serves.
-        const Jet o = difference(c, x, y);
-        x -= o.gx / (2 * K);
-        y -= o.gy / (2 * K);
+PointId CircleKernel::circle_point(FormPair c, Sign which) {
+    const auto o = circle(c);
+    if (o && (which == Sign::Zero || o->r2.lower() > 0)) {
+        const Interval x = which == Sign::Zero       ? o->cx
+                           : which == Sign::Negative ? o->cx - sqrt(o->r2)
+                                                     : o->cx + sqrt(o->r2);
+        const double error = std::hypot(x.radius(), o->cy.radius()) * slop + tiny;
+        if (error < DBL_MAX) return points_.push_back({x.mid(), o->cy.mid(), error, c, c, which});
     }
-    const Jet j = difference(c, x, y);
-    const double g2 = j.gx * j.gx + j.gy * j.gy, four_KF = 4 * j.K * j.v;
-    const double bound =
-        (4 * j.eg * (std::abs(j.gx) + std::abs(j.gy)) + 4 * j.eg * j.eg +
-         4 * ((std::abs(j.K) + j.eK) * j.ev + std::abs(j.v) * j.eK) + 8 * u * (g2 + std::abs(four_KF))) *
-            slop +
-        tiny;
-    if (std::abs(g2 - four_KF) > bound) {
-        ++decisions_.by_double;
-        return sign_of(g2 - four_KF);
+    return add_exact_point(c, c, which, exact_curve(c).own_point(which));
+}
+
+ExactCirclePoint& CircleKernel::exact_point(PointId p) {
+    exact_point_index_.resize(points_.size(), -1);
+    std::int32_t& slot = exact_point_index_[p.value];
+    if (slot < 0) {
+        const KernelPoint& q = points_[p];
+        ExactCirclePoint exact =
+            q.first == q.second
+                ? exact_curve(q.first).own_point(q.orientation)
+                : vcell::intersection(exact_curve(q.first), exact_curve(q.second), q.orientation).value();
+        slot = static_cast<std::int32_t>(exact_points_.size());
+        exact_points_.push_back(std::move(exact));
     }
-    ++decisions_.by_exact;
-    const ExactCurve e = exact_curve(c);
-    return (e.A * e.A + e.B * e.B - Exact(4.0) * e.K * e.C).sign();
+    return exact_points_[static_cast<std::size_t>(slot)];
+}
+
+// An arc whose chord makes an angle theta < 90 degrees with the tangent at p stays within the sagitta
+// |chord| / 2 tan(theta / 2) of its chord. Longer arcs get their circle's box. A box may be generous: where
+// the gradient keeps enough digits in plain arithmetic, a relative margin of 1e-6 covers every rounding.
+CircleKernel::ArcBounds CircleKernel::arc_bounds(FormPair c, PointId p, PointId q) const {
+    const KernelPoint &P = points_[p], &Q = points_[q];
+    const KernelForm &f = forms_[c.f], &h = forms_[c.g];
+    const double error = P.error + Q.error;
+    if (f.k == 0 && h.k == 0) {  // sides of a region or of its pieces: as below for tangents along the chord
+        const double dx = Q.x - P.x, dy = Q.y - P.y, length = std::sqrt(dx * dx + dy * dy);
+        if (1e8 * error < length) {
+            const double margin = angle_margin * length;
+            return {{std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
+                     std::max(P.y, Q.y) + margin},
+                    length * (1 + length_margin),
+                    margin};
+        }
+    }
+    const double fx = (2 * f.k * (P.x - f.cx) + f.a) * f.iw, fy = (2 * f.k * (P.y - f.cy) + f.b) * f.iw;
+    const double hx = (2 * h.k * (P.x - h.cx) + h.a) * h.iw, hy = (2 * h.k * (P.y - h.cy) + h.b) * h.iw;
+    const double gx = fx - hx, gy = fy - hy, bx = Q.x - P.x, by = Q.y - P.y;
+    const double g = std::sqrt(gx * gx + gy * gy), l = std::sqrt(bx * bx + by * by);
+    const double terms = std::abs(f.K * P.x) + std::abs(f.K * P.y) + std::abs(f.K * f.cx) +
+                         std::abs(f.K * f.cy) + std::abs(h.K * P.x) + std::abs(h.K * P.y) +
+                         std::abs(h.K * h.cx) + std::abs(h.K * h.cy) + std::abs(fx) + std::abs(fy) +
+                         std::abs(hx) + std::abs(hy);
+    const double cosine = (gx * by - gy * bx) / (g * l);
+    if (cosine > 0.1 && 1e8 * error < l && 1e-6 * terms < g) {
+        const double sine = std::abs(gx * bx + gy * by) / (g * l);
+        const double margin =
+            0.5 * l * ((sine + angle_margin) / (1 + cosine) + angle_margin) * (1 + length_margin);
+        return {{std::min(P.x, Q.x) - margin, std::max(P.x, Q.x) + margin, std::min(P.y, Q.y) - margin,
+                 std::max(P.y, Q.y) + margin},
+                l * (1 + length_margin),
+                margin};
+    }
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    return {circle_box(c), inf, inf};
 }
 
 }  // namespace vcell

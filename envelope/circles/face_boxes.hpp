@@ -7,15 +7,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "../../arrangement/circles/circle_kernel.hpp"
+#include "../../arrangement/circles/circle_forms.hpp"
 
 namespace vcell {
 
 class FaceBoxes {
 public:
     using Index = std::uint32_t;
-    using Form = CircleKernel::Form;
-    using BoxForm = CircleKernel::BoxForm;
+    using Form = KernelForm;
 
     void clear() { size_ = 0; }
     /// One more, which has no box.
@@ -27,7 +26,7 @@ public:
 
     /// Face f, which `site` owns, lies within rx and ry of (x, y).
     void set(Index f, const Form& site, double x, double y, double rx, double ry) {
-        const BoxForm b = CircleKernel::box_form(site, x, y, rx, ry);
+        const BoxForm b = site.over_box(x, y, rx, ry);
         x_[f] = x;
         y_[f] = y;
         rx_[f] = rx;
@@ -52,8 +51,7 @@ public:
         const std::size_t count = size();
         double* const excess = excess_.data();
         for (std::size_t f = 0; f < count; ++f)
-            excess[f] = CircleKernel::excess(CircleKernel::box_form(form, x_[f], y_[f], rx_[f], ry_[f]),
-                                             at(f), rx_[f], ry_[f]);
+            excess[f] = BoxForm::excess(form.over_box(x_[f], y_[f], rx_[f], ry_[f]), at(f), rx_[f], ry_[f]);
         for (std::size_t f = 0; f < count; ++f)
             if (!(excess[f] > 0)) visit(static_cast<Index>(f));
     }
@@ -68,7 +66,7 @@ public:
     static double slope_bound(const Form& form, const Form& site, const BoxForm& a, double x, double y,
                               double rx, double ry) {
         constexpr double rounding_margin = 1e-12;
-        const BoxForm b = CircleKernel::box_form(form, x, y, rx, ry);
+        const BoxForm b = form.over_box(x, y, rx, ry);
         const double extent = rx + ry, K = std::abs(b.K - a.K), size = std::abs(b.K) + std::abs(a.K);
         const double slack = std::abs(b.gx) + std::abs(b.gy) + std::abs(a.gx) + std::abs(a.gy) +
                              std::abs(b.K) * (std::abs(x - form.cx) + std::abs(y - form.cy)) +

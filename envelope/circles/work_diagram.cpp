@@ -256,18 +256,18 @@ void WorkDiagram::renew_boxes() {
 }
 
 // FaceBoxes has this bound, too, of faces whose boxes are there.
-double WorkDiagram::slope_bound(Index face, const CircleKernel::Form& form) const {
+double WorkDiagram::slope_bound(Index face, const KernelForm& form) const {
     const Face& f = faces_[face];
-    const CircleKernel::Form& site = kernel_.form(f.site);
+    const KernelForm& site = kernel_.form(f.site);
     const auto [x, y, rx, ry] = box_middle(f.box);
-    return FaceBoxes::slope_bound(form, site, CircleKernel::box_form(site, x, y, rx, ry), x, y, rx, ry);
+    return FaceBoxes::slope_bound(form, site, site.over_box(x, y, rx, ry), x, y, rx, ry);
 }
 
 // --- One merge -----------------------------------------------------------------------------------------
 
 void WorkDiagram::insert(FormId challenger) {
     duels_.clear();
-    const CircleKernel::Form form = kernel_.form(challenger);
+    const KernelForm form = kernel_.form(challenger);
     inserts_greater_ = is_floor(challenger);
     if (!are_boxes_current_) renew_boxes();
     const auto add = [&](Index f) {

@@ -197,7 +197,7 @@ private:
         return {x, y, Interval::up(std::max(box[1] - x, x - box[0])),
                 Interval::up(std::max(box[3] - y, y - box[2]))};
     }
-    double slope_bound(Index face, const CircleKernel::Form& form) const;
+    double slope_bound(Index face, const KernelForm& form) const;
     void renew_boxes();
     Index walk(FormId challenger, Index from);
     bool cut_in(FormId challenger, Index v);

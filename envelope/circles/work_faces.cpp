@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "../../arrangement/circles/curve_order.hpp"
+#include "../../arrangement/circles/point_star.hpp"
 #include "../../core/errors.hpp"
 #include "work_diagram.hpp"
 
@@ -58,7 +60,7 @@ FormId WorkDiagram::winner_along(Index h, const Duel& d) {
     const FormPair c = directed(h), rival = rivals(d.challenger, site);
     const Index v = half_edges_[h].origin;
     const bool along = v == none ? kernel_.curvature_sign(c) == kernel_.curvature_sign(rival)
-                                 : kernel_.same_direction(vertices_[v].point, c, rival);
+                                 : PointStar(kernel_, vertices_[v].point).same_direction(c, rival);
     return along ? d.challenger : site;
 }
 
@@ -80,8 +82,8 @@ void WorkDiagram::find_branches(Index cycle, FormPair rival) {
         if (kernel_.radius_sign(rival) == Sign::Zero) return;
         const PointId p = vertices_[v].point;
         const FormPair from = directed(n), to = directed(twin(h));
-        const bool leaves = kernel_.branch_in_sector(p, from, rival, to);
-        const bool arrives = kernel_.branch_in_sector(p, from, rival.reversed(), to);
+        const bool leaves = PointStar(kernel_, p).branch_in_sector(from, rival, to);
+        const bool arrives = PointStar(kernel_, p).branch_in_sector(from, rival.reversed(), to);
         // Counter-clockwise from n: beside a winning edge the challenger's region ends first.
         const bool start_first = out == Sign::Positive;
         if (leaves && start_first) branches_.push_back({h, v, true});
@@ -107,8 +109,9 @@ void WorkDiagram::insert_arcs(FormPair rival) {
         for (Branch& t : branches_) {
             if (t.start) continue;
             const PointId q = vertices_[t.vertex].point;
-            if (line && !kernel_.precedes_on_line(rival, p, q)) continue;
-            if (!first || kernel_.strictly_between(rival, p, vertices_[first->vertex].point, q)) first = &t;
+            if (line && !CurveOrder(kernel_, rival).precedes(p, q)) continue;
+            if (!first || CurveOrder(kernel_, rival).strictly_between(p, vertices_[first->vertex].point, q))
+                first = &t;
         }
         if (!first || first->half_edge != none) throw InternalError("a trisector's arc has no end");
         const Index e = add_edge(rival, s.vertex, first->vertex, false);
@@ -194,8 +197,8 @@ void WorkDiagram::thread_isolated(Index face, std::size_t first_new) {
         for (std::size_t i = first_new; i < touched_.size(); i += 2) {
             const Index e = touched_[i] >> 1, from = half_edges_[2 * e].origin,
                         to = half_edges_[2 * e + 1].origin;
-            if (from != none &&
-                !kernel_.strictly_between(edges_[e].curve, vertices_[from].point, vertices_[to].point, p))
+            if (from != none && !CurveOrder(kernel_, edges_[e].curve)
+                                     .strictly_between(vertices_[from].point, vertices_[to].point, p))
                 continue;
             const Index w = split_edge(e, p, half_edges_[2 * e].label), n = vertices_[w].out >> 1;
             vertices_[w].ties = vertices_[v].ties;
@@ -332,7 +335,7 @@ bool WorkDiagram::is_outer_cycle(Index cycle) {
         const Sign K = kernel_.curvature_sign(c);
         if (K == Sign::Zero) return;
         const PointId extreme = kernel_.leftmost_point(c);
-        if (!kernel_.strictly_between(c, p, vertices_[w].point, extreme)) return;
+        if (!CurveOrder(kernel_, c).strictly_between(p, vertices_[w].point, extreme)) return;
         if (kernel_.compare_xy(extreme, leftmost) == Sign::Negative) {
             leftmost = extreme;
             on_arc = true;
@@ -345,8 +348,8 @@ bool WorkDiagram::is_outer_cycle(Index cycle) {
     bool inner = false;
     for_cycle(cycle, [&](Index h) {
         if (vertices_[target(h)].point != leftmost) return;
-        inner =
-            inner || kernel_.sector_contains_left(leftmost, directed(half_edges_[h].next), directed(twin(h)));
+        inner = inner || PointStar(kernel_, leftmost)
+                             .sector_contains_left(directed(half_edges_[h].next), directed(twin(h)));
     });
     return !inner;
 }
@@ -403,10 +406,10 @@ int WorkDiagram::crossings_above(Index e, PointId p) {
         std::swap(a, b);
         ccw = c.reversed();
     }
-    const bool has_left = kernel_.strictly_between(ccw, a, b, left),
-               has_right = kernel_.strictly_between(ccw, a, b, right);
+    const bool has_left = CurveOrder(kernel_, ccw).strictly_between(a, b, left),
+               has_right = CurveOrder(kernel_, ccw).strictly_between(a, b, right);
     if (has_left && has_right) {
-        const bool left_first = kernel_.strictly_between(ccw, a, right, left);
+        const bool left_first = CurveOrder(kernel_, ccw).strictly_between(a, right, left);
         if (left_first) {
             piece(a, left, true);
             piece(left, right, false);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "../../arrangement/circles/curve_order.hpp"
+#include "../../arrangement/circles/point_star.hpp"
 #include "../../core/errors.hpp"
 #include "work_diagram.hpp"
 
@@ -64,8 +66,7 @@ Sign WorkDiagram::find_vertex_sign(Index v, FormPair rival) {
     Vertex& vertex = vertices_[v];
     vertex.stamp = stamp_;
     const FormId challenger = challenger_of(rival);
-    const CircleKernel::BoxForm b =
-        CircleKernel::box_form(kernel_.form(challenger), vertex.x, vertex.y, vertex.error, vertex.error);
+    const BoxForm b = kernel_.form(challenger).over_box(vertex.x, vertex.y, vertex.error, vertex.error);
     vertex.slope_x = b.gx;
     vertex.slope_y = b.gy;
     const double difference = b.v - vertex.height;
@@ -107,7 +108,7 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
     const Vertex &v = vertices_[half_edges_[2 * e].origin], &w = vertices_[half_edges_[2 * e + 1].origin];
     const double m = v.margin, n = w.margin;
     if (!(m > 0 && n > 0)) return false;  // a slower rung told the sign
-    const CircleKernel::Form &b = kernel_.form(rival.f), &a = kernel_.form(rival.g);
+    const KernelForm &b = kernel_.form(rival.f), &a = kernel_.form(rival.g);
     const Vertex &p = v, &q = w;
     const double l = edges_[e].bounds.chord, s = edges_[e].bounds.sagitta;
     const double ax = (2 * a.k * (p.x - a.cx) + a.a) * a.iw, ay = (2 * a.k * (p.y - a.cy) + a.b) * a.iw;
@@ -138,10 +139,10 @@ bool WorkDiagram::surely_keeps_sign(Index e, FormPair rival, Sign common) {
     if (edges_[e].is_shorter) set_bounds(e);
     if (keeps_sign(e, rival, common)) return true;
     const auto [x, y, rx, ry] = box_middle(edges_[e].bounds.box);
-    const CircleKernel::BoxForm b = CircleKernel::box_form(kernel_.form(rival.f), x, y, rx, ry);
-    const CircleKernel::BoxForm a = CircleKernel::box_form(kernel_.form(rival.g), x, y, rx, ry);
-    return common == Sign::Positive ? CircleKernel::certainly_above(b, a, rx, ry)
-                                    : CircleKernel::certainly_above(a, b, rx, ry);
+    const BoxForm b = kernel_.form(rival.f).over_box(x, y, rx, ry);
+    const BoxForm a = kernel_.form(rival.g).over_box(x, y, rx, ry);
+    return common == Sign::Positive ? BoxForm::certainly_above(b, a, rx, ry)
+                                    : BoxForm::certainly_above(a, b, rx, ry);
 }
 
 // The first root of challenger - defender on an edge at whose ends that has one sign: there is another one
@@ -159,7 +160,7 @@ std::optional<WorkDiagram::Cut> WorkDiagram::first_root(Index e, FormPair rival,
             case Sign::Negative: return std::nullopt;
             case Sign::Zero: {
                 const Cut cut{kernel_.touching_point(c, rival), true};
-                if (kernel_.strictly_between(c, p, q, cut.point)) return cut;
+                if (CurveOrder(kernel_, c).strictly_between(p, q, cut.point)) return cut;
                 return std::nullopt;
             }
             case Sign::Positive:
@@ -168,7 +169,7 @@ std::optional<WorkDiagram::Cut> WorkDiagram::first_root(Index e, FormPair rival,
                 first = change_of_sign(e, rival, -common).point;
         }
     }
-    if (!kernel_.strictly_between(c, p, q, *first)) return std::nullopt;
+    if (!CurveOrder(kernel_, c).strictly_between(p, q, *first)) return std::nullopt;
     return Cut{*first, false};
 }
 
@@ -214,7 +215,7 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
             case Sign::Zero: {
                 const PointId p = kernel_.touching_point(c, rival);
                 const Cut cut{p, true};
-                return cut_edge(e, rival, {&cut, 1}, kernel_.sign_beside_touching(p, c, rival));
+                return cut_edge(e, rival, {&cut, 1}, PointStar(kernel_, p).sign_beside_touching(c, rival));
             }
             case Sign::Positive: {
                 const Cut cuts[] = {{*kernel_.intersection(c, rival, Sign::Positive, near), false},
@@ -249,7 +250,7 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
     }
     const Sign turn = kernel_.turn_at(s == Sign::Zero ? p : q, c, rival);
     if (turn == Sign::Zero) {
-        edge.sign = kernel_.sign_beside_touching(s == Sign::Zero ? p : q, c, rival);
+        edge.sign = PointStar(kernel_, s == Sign::Zero ? p : q).sign_beside_touching(c, rival);
     } else if (s == Sign::Zero && t == Sign::Zero && from != to) {
         edge.sign = turn;
     } else if (s == Sign::Zero) {  // also the loop at one vertex: the sign returns to its other side

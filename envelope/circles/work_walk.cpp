@@ -46,7 +46,7 @@ WorkDiagram::Index WorkDiagram::insert_most_curved(FormId challenger, Index from
         if (is_above_diagram(challenger, end)) return end;
         // It wins between vertices, or not at all.
         reached_.clear();
-        const CircleKernel::Form form = kernel_.form(challenger);
+        const KernelForm form = kernel_.form(challenger);
         ++scans_;
         visits_ += faces_.size() / (are_boxes_current_ ? 4 : 1);
         if (!are_boxes_current_) renew_boxes();
@@ -62,7 +62,7 @@ WorkDiagram::Index WorkDiagram::insert_most_curved(FormId challenger, Index from
 // Goes downhill, in doubles, from vertex to vertex along edges, across faces where no edge leads down, until
 // challenger - defender is not positive or nothing around is less.
 WorkDiagram::Index WorkDiagram::walk(FormId challenger, Index from) {
-    const CircleKernel::Form form = kernel_.form(challenger);
+    const KernelForm form = kernel_.form(challenger);
     const auto difference = [&](Index v) {
         const Vertex& at = vertices_[v];
         const double dx = at.x - form.cx, dy = at.y - form.cy;
@@ -100,7 +100,7 @@ WorkDiagram::Index WorkDiagram::walk(FormId challenger, Index from) {
 
 // Pre: the challenger wins or ties at v.
 void WorkDiagram::challenge_from(FormId challenger, Index v) {
-    const CircleKernel::Form form = kernel_.form(challenger);
+    const KernelForm form = kernel_.form(challenger);
     const auto add = [&](Index face) {
         Face& f = faces_[face];
         if (face == outside || (f.stamp == stamp_ && f.challenged)) return;
@@ -209,7 +209,7 @@ bool WorkDiagram::cut_in(FormId challenger, Index v) {
 
 // Finds the faces where the challenger wins; false where that is no common case.
 bool WorkDiagram::find_bites(FormId challenger, Index v) {
-    const CircleKernel::Form& form = kernel_.form(challenger);
+    const KernelForm& form = kernel_.form(challenger);
     const auto add = [&](Index face) {
         Face& f = faces_[face];
         if (f.stamp == stamp_ && f.challenged) return;
@@ -288,21 +288,18 @@ bool WorkDiagram::find_bites(FormId challenger, Index v) {
 bool WorkDiagram::is_above_diagram(FormId challenger, Index v) const {
     constexpr std::size_t most_terms = 8;
     struct Term {
-        CircleKernel::Jet jet;
+        FormJet jet;
         bool is_form;  // otherwise -L of a side of the polygon
     };
     const auto [x, y] = std::array{at(v).x, at(v).y};
-    const CircleKernel::Jet c = CircleKernel::jet(kernel_.form(challenger), x, y);
-    const auto less = [&](const CircleKernel::Jet& f, FormId g) {
-        return CircleKernel::difference(f, CircleKernel::jet(kernel_.form(g), x, y));
-    };
+    const FormJet c = kernel_.form(challenger).jet(x, y);
+    const auto less = [&](const FormJet& f, FormId g) { return f - kernel_.form(g).jet(x, y); };
     SmallVector<Term, most_terms> terms;
     for_leaving(vertices_[v].out, [&](Index h) {
         if (terms.size() + 2 > most_terms) return;
         if (half_edges_[h].face != outside) terms.push_back({less(c, half_edges_[h].label), true});
         const Edge& edge = edges_[h >> 1];
-        if (edge.rim)
-            terms.push_back({less(CircleKernel::jet(kernel_.form(edge.curve.f), x, y), edge.curve.g), false});
+        if (edge.rim) terms.push_back({less(kernel_.form(edge.curve.f).jet(x, y), edge.curve.g), false});
     });
 
     std::array<double, most_terms> weights{}, best{};
@@ -354,11 +351,11 @@ bool WorkDiagram::is_above_diagram(FormId challenger, Index v) const {
         }
     }
 
-    CircleKernel::Jet sum{};
+    FormJet sum{};
     for (std::size_t i = 0; i < terms.size(); ++i) {
         const double weight = best[i];
         if (weight == 0) continue;
-        const CircleKernel::Jet& j = terms[i].jet;
+        const FormJet& j = terms[i].jet;
         sum.v += weight * j.v;
         sum.gx += weight * j.gx;
         sum.gy += weight * j.gy;
@@ -374,7 +371,7 @@ bool WorkDiagram::is_above_diagram(FormId challenger, Index v) const {
     sum.eK *= 1 + 64 * roundoff::u;
     const double rx = Interval::up(std::max(box_[1] - x, x - box_[0])),
                  ry = Interval::up(std::max(box_[3] - y, y - box_[2]));
-    return CircleKernel::lower_bound(sum, rx, ry) > 0;
+    return sum.lower_bound(rx, ry) > 0;
 }
 
 }  // namespace vcell

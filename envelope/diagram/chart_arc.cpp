@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "../../arrangement/circles/circle_kernel.hpp"
+#include "../../arrangement/circles/curve_order.hpp"
 #include "../../core/errors.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "settled_vertices.hpp"
@@ -370,8 +371,8 @@ bool ChartArcs::Maker::is_major_arc(EdgeId e, const Circle& c) {
                    to = diagram_.dcel.target(Dcel::half_edge(e));
     const PointId p = end_point(from, Sign::Negative), q = end_point(to, Sign::Positive);
     const PointId left = kernel.leftmost_point(curve), right = kernel.rightmost_point(curve);
-    const bool holds_left = kernel.strictly_between(curve, p, q, left);
-    const bool holds_right = kernel.strictly_between(curve, p, q, right);
+    const bool holds_left = CurveOrder(kernel, curve).strictly_between(p, q, left);
+    const bool holds_right = CurveOrder(kernel, curve).strictly_between(p, q, right);
     decisions_ += kernel.decisions();
     if (holds_left == holds_right) return holds_left;
     // The end points are together on one half of the circle: does the edge hold the far extreme?

@@ -17,7 +17,7 @@ namespace vcell {
 /// Cells are quartered from one level to the next; a cell's bound is the largest of those in it.
 class Ceiling {
 public:
-    using Form = CircleKernel::Form;
+    using Form = KernelForm;
 
     /// No bound yet. The finest cells hold about two of so many forms.
     void start(const Rectangle& r, std::size_t forms) {
@@ -66,7 +66,7 @@ public:
     /// Is it so because it is higher than all bounds where it is least, at (x, y)? Rounding may have moved
     /// that place by some units in the last place.
     bool is_over_all(const Form& f, double x, double y) const {
-        const CircleKernel::BoxForm b = CircleKernel::box_form(f, x, y, 0, 0);
+        const BoxForm b = f.over_box(x, y, 0, 0);
         return b.v - 64 * DBL_EPSILON * b.scale > bounds_.front();
     }
     /// Is it not certainly higher than the bound near (x, y)? Forms that are least there hardly ever are, and
@@ -91,10 +91,9 @@ private:
         };
         return {index((x - x0_) / (x1_ - x0_)), index((y - y0_) / (y1_ - y0_))};
     }
-    CircleKernel::BoxForm over_cell(const Form& f, unsigned level, std::int32_t i, std::int32_t j) const {
+    BoxForm over_cell(const Form& f, unsigned level, std::int32_t i, std::int32_t j) const {
         const Size& size = sizes_[level];
-        return CircleKernel::box_form(f, x0_ + (i + 0.5) * size.width, y0_ + (j + 0.5) * size.height, size.rx,
-                                      size.ry);
+        return f.over_box(x0_ + (i + 0.5) * size.width, y0_ + (j + 0.5) * size.height, size.rx, size.ry);
     }
     static std::size_t first(unsigned level) { return ((std::size_t{1} << (2 * level)) - 1) / 3; }
     std::size_t index(unsigned level, std::int32_t i, std::int32_t j) const {
@@ -108,14 +107,14 @@ private:
     }
     // box_form()'s top is off by fewer roundings of its scale than excess() allows.
     void lower(const Form& f, unsigned level, std::int32_t i, std::int32_t j) {
-        const CircleKernel::BoxForm b = over_cell(f, level, i, j);
+        const BoxForm b = over_cell(f, level, i, j);
         double& all = bound(level, i, j);
         all = std::min(all, b.top + 64 * DBL_EPSILON * b.scale);
     }
     bool is_above(const Form& f, unsigned level, std::int32_t i, std::int32_t j) const {
         const double all = bounds_[index(level, i, j)];
-        return CircleKernel::certainly_above(over_cell(f, level, i, j), {all, 0, 0, 0, all, std::abs(all)},
-                                             sizes_[level].rx, sizes_[level].ry);
+        return BoxForm::certainly_above(over_cell(f, level, i, j), {all, 0, 0, 0, all, std::abs(all)},
+                                        sizes_[level].rx, sizes_[level].ry);
     }
     bool hides(const Form& f, unsigned level, std::int32_t i, std::int32_t j) const {
         if (is_above(f, level, i, j)) return true;

@@ -51,7 +51,7 @@ void put_together(std::span<Place> places) {
 
 CompetingForms::CompetingForms(const CircularFamily& family, std::span<const FormId> forms) {
     ids_.assign(forms.begin(), forms.end());
-    for (const FormId f : forms) forms_.push_back(CircleKernel::make_form(family.forms[f]));
+    for (const FormId f : forms) forms_.push_back(KernelForm::of(family.forms[f]));
     if (forms.size() <= most_ungrouped) {
         for (Item i = 0; i < forms.size(); ++i) top_.push_back(i);
         return;
@@ -129,7 +129,7 @@ void CompetingForms::add_level(Item first, Item end) {
         }
         const double x = 0.5 * all.places.x0 + 0.5 * all.places.x1,
                      y = 0.5 * all.places.y0 + 0.5 * all.places.y1;
-        const auto height = [&](Item form) { return CircleKernel::box_form(forms_[form], x, y, 0, 0).v; };
+        const auto height = [&](Item form) { return forms_[form].over_box(x, y, 0, 0).v; };
         all.middle = *std::min_element(middles.begin(), middles.begin() + (all.end - i),
                                        [&](Item f, Item g) { return height(f) < height(g); });
         groups_.push_back(all);
@@ -144,9 +144,9 @@ std::size_t CompetingForms::count(std::span<const Item> items) const {
 
 // A group's forms are at least K d^2 + m, d being the distance from the places. In each coordinate d^2 is
 // convex, so no less than its tangent d0^2 + 2 d0 t in the rectangle's middle, and more than that by t^2
-// where all places are on one side of it. From there on it is what CircleKernel::excess() says of two forms,
+// where all places are on one side of it. From there on it is what BoxForm::excess() says of two forms,
 // with its margin for as many roundings.
-bool CompetingForms::Culling::is_above(const Group& group, const CircleKernel::BoxForm& rival,
+bool CompetingForms::Culling::is_above(const Group& group, const BoxForm& rival,
                                        const FormCulling::Middle& at) {
     double excess = group.value - rival.v, scale = std::abs(group.value) + rival.scale;
     const auto add = [&](double low, double high, double middle, double r, double slope) {
@@ -162,7 +162,7 @@ bool CompetingForms::Culling::is_above(const Group& group, const CircleKernel::B
 }
 
 // Are few of the forms in groups left if these are looked at one by one?
-bool CompetingForms::Culling::hide_much(std::span<const Item> items, const CircleKernel::BoxForm& rival,
+bool CompetingForms::Culling::hide_much(std::span<const Item> items, const BoxForm& rival,
                                         const FormCulling::Middle& at) const {
     std::size_t forms = 0;
     for (const Item item : items)
@@ -175,7 +175,7 @@ bool CompetingForms::Culling::hide_much(std::span<const Item> items, const Circl
         for (; next < g.count; next += step) {
             ++asked;
             const Form& f = (*forms_)[g.form + static_cast<Item>(next)];
-            left += !CircleKernel::certainly_above(at.box_form(f), rival, at.rx, at.ry);
+            left += !BoxForm::certainly_above(at.box_form(f), rival, at.rx, at.ry);
         }
         next -= g.count;
     }
@@ -195,7 +195,7 @@ void CompetingForms::Culling::operator()(const Rectangle& r, std::span<const Ite
         std::size_t rival = 0;
         for (std::size_t i = 0; i < open_.size(); ++i) {
             const Item item = open_[i];
-            CircleKernel::BoxForm& form = box_forms_[i];
+            BoxForm& form = box_forms_[i];
             if (forms_->is_group(item)) {
                 const Group& g = forms_->group(item);
                 form = at.box_form((*forms_)[g.middle]);
@@ -205,13 +205,13 @@ void CompetingForms::Culling::operator()(const Rectangle& r, std::span<const Ite
             }
             if (form.top < box_forms_[rival].top) rival = i;
         }
-        const CircleKernel::BoxForm& lowest = box_forms_[rival];
+        const BoxForm& lowest = box_forms_[rival];
         bool has_group = false;
         for (std::size_t i = 0; i < open_.size(); ++i) {
             const Item item = open_[i];
             const bool is_group = forms_->is_group(item);
             if (is_group ? is_above(forms_->group(item), lowest, at)
-                         : CircleKernel::certainly_above(box_forms_[i], lowest, at.rx, at.ry))
+                         : BoxForm::certainly_above(box_forms_[i], lowest, at.rx, at.ry))
                 continue;
             has_group |= is_group;
             kept.push_back(item);

@@ -18,7 +18,7 @@ namespace vcell {
 /// Looks at forms one by one. Working space, for one thread.
 class FormCulling {
 public:
-    using Form = CircleKernel::Form;
+    using Form = KernelForm;
 
     /// Calls keep(i) for those of the items, numbers i = 0, 1, ..., whose forms form(item) may be lowest
     /// somewhere in the rectangle: for all that are not certainly above a rival all over it. The best rival
@@ -33,31 +33,29 @@ public:
             if (box_forms_[i].top < box_forms_[rival].top) rival = i;
         }
         for (std::size_t i = 0; i < items.size(); ++i)
-            if (!CircleKernel::certainly_above(box_forms_[i], box_forms_[rival], at.rx, at.ry)) keep(i);
+            if (!BoxForm::certainly_above(box_forms_[i], box_forms_[rival], at.rx, at.ry)) keep(i);
     }
 
-    /// A rectangle as CircleKernel::box_form() takes it: its middle, and half sides that reach all of it.
+    /// A rectangle as KernelForm::over_box() takes it: its middle, and half sides that reach all of it.
     struct Middle {
         explicit Middle(const Rectangle& r)
             : x(0.5 * r.x0 + 0.5 * r.x1),
               y(0.5 * r.y0 + 0.5 * r.y1),
               rx(Interval::up(std::max(r.x1 - x, x - r.x0))),
               ry(Interval::up(std::max(r.y1 - y, y - r.y0))) {}
-        CircleKernel::BoxForm box_form(const Form& f) const {
-            return CircleKernel::box_form(f, x, y, rx, ry);
-        }
+        BoxForm box_form(const Form& f) const { return f.over_box(x, y, rx, ry); }
 
         double x, y, rx, ry;
     };
 
 private:
-    std::vector<CircleKernel::BoxForm> box_forms_;
+    std::vector<BoxForm> box_forms_;
 };
 
 /// Unchanged once it is made: threads may share one, each with a CompetingForms::Culling of its own.
 class CompetingForms {
 public:
-    using Form = CircleKernel::Form;
+    using Form = KernelForm;
     /// A form, or a group of them.
     using Item = std::uint32_t;
 
@@ -125,15 +123,13 @@ public:
     }
 
 private:
-    static bool is_above(const Group& group, const CircleKernel::BoxForm& rival,
-                         const FormCulling::Middle& at);
-    bool hide_much(std::span<const Item> items, const CircleKernel::BoxForm& rival,
-                   const FormCulling::Middle& at) const;
+    static bool is_above(const Group& group, const BoxForm& rival, const FormCulling::Middle& at);
+    bool hide_much(std::span<const Item> items, const BoxForm& rival, const FormCulling::Middle& at) const;
 
     const CompetingForms* forms_;
     FormCulling one_by_one_;
     std::vector<Item> open_;
-    std::vector<CircleKernel::BoxForm> box_forms_;
+    std::vector<BoxForm> box_forms_;
 };
 
 }  // namespace vcell

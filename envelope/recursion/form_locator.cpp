@@ -22,7 +22,7 @@ FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms,
                          const std::array<double, 4>& box)
     : family_(family), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
     if (family.is_all_circular())
-        for (const CircularForm& f : family.forms) circular_.push_back(CircleKernel::make_form(f));
+        for (const CircularForm& f : family.forms) circular_.push_back(KernelForm::of(f));
     Node root;
     root.box = box;
     root.forms = std::move(forms);
@@ -78,8 +78,7 @@ std::vector<FormId> FormLocator::cull(const std::array<double, 4>& box, std::spa
     if (circular_.empty()) return analysis_.cull(box, forms);
     std::vector<FormId> kept;
     culling_(
-        {box[0], box[1], box[2], box[3]}, forms,
-        [&](FormId f) -> const CircleKernel::Form& { return circular_[f]; },
+        {box[0], box[1], box[2], box[3]}, forms, [&](FormId f) -> const KernelForm& { return circular_[f]; },
         [&](std::size_t i) { kept.push_back(forms[i]); });
     return kept;
 }

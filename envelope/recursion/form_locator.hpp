@@ -54,7 +54,7 @@ private:
     const FormFamily& family_;
     MixedAnalysis analysis_;
     // Where all forms are circular:
-    IdVector<FormId, CircleKernel::Form> circular_;
+    IdVector<FormId, KernelForm> circular_;
     FormCulling culling_;
 
     std::vector<Interval> values_;  // of a leaf's forms, for lowest_of()

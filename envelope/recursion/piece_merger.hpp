@@ -21,7 +21,7 @@
 namespace vcell {
 
 class PieceMerger {
-    using Form = CircleKernel::Form;
+    using Form = KernelForm;
     using Item = CompetingForms::Item;
     struct Competitor {
         double height;
@@ -104,7 +104,7 @@ public:
         // Low ones first: most of the others then lose at once.
         order_.clear();
         const CompetingForms& all = cull.forms();
-        for (const Item i : candidates) order_.push_back({CircleKernel::jet(all[i], x, y).v, all.id(i), i});
+        for (const Item i : candidates) order_.push_back({all[i].jet(x, y).v, all.id(i), i});
         std::ranges::sort(order_);
         start(piece);
         std::vector<FormId> forms;

@@ -7,6 +7,8 @@
 #include <random>
 
 #include "../../arrangement/circles/circle_kernel.hpp"
+#include "../../arrangement/circles/curve_order.hpp"
+#include "../../arrangement/circles/point_star.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::circle_kernel_test {
@@ -206,7 +208,7 @@ TEST_CASE("circle_kernel: order along a curve is that of the angles around its c
                     if (p != q && to_q < Real("1e-150")) continue;  // one place under two names
                     const Real end = p == q ? turn : to_q;
                     const bool want = to_r > Real("1e-150") && to_r < end - Real("1e-150");
-                    CHECK(c.kernel.strictly_between(curve, p, q, r) == want);
+                    CHECK(CurveOrder(c.kernel, curve).strictly_between(p, q, r) == want);
                 }
     }
     CHECK(circles > 16 * rounds());
@@ -222,9 +224,8 @@ TEST_CASE("circle_kernel: bounds over rectangles and arcs hold at sampled points
         const double low = c.kernel.lower_bound(f, g, x0, x1, y0, y1);
         const double x = 0.5 * (x0 + x1), y = 0.5 * (y0 + y1), rx = 0.5 * (x1 - x0) * (1 + 1e-15),
                      ry = 0.5 * (y1 - y0) * (1 + 1e-15);
-        const bool above =
-            CircleKernel::certainly_above(CircleKernel::box_form(c.kernel.form(f), x, y, rx, ry),
-                                          CircleKernel::box_form(c.kernel.form(g), x, y, rx, ry), rx, ry);
+        const bool above = BoxForm::certainly_above(c.kernel.form(f).over_box(x, y, rx, ry),
+                                                    c.kernel.form(g).over_box(x, y, rx, ry), rx, ry);
         for (int k = 0; k < 20; ++k) {
             const Real px = x0 + unit(rng) * (x1 - x0), py = y0 + unit(rng) * (y1 - y0);
             const Real d = c.forms.value(f.value - 1, px, py) - c.forms.value(g.value - 1, px, py);
@@ -325,8 +326,8 @@ TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp 
 
         kernel.decisions() = {};
         CHECK(kernel.turn_at(origin, c, d) == Sign::Zero);
-        CHECK(kernel.same_direction(origin, c, d) == (g.dot(h) > 0));
-        CHECK(kernel.sign_beside_touching(origin, c, d) == sign_of_real(bend));
+        CHECK(PointStar(kernel, origin).same_direction(c, d) == (g.dot(h) > 0));
+        CHECK(PointStar(kernel, origin).sign_beside_touching(c, d) == sign_of_real(bend));
         CHECK(kernel.same_curve(c, d) == (sign_of_real(bend) == Sign::Zero));
         same += sign_of_real(bend) == Sign::Zero;
         nearly += sign_of_real(bend) != Sign::Zero && abs(bend) < Real("1e-14");
@@ -335,7 +336,7 @@ TEST_CASE("circle_kernel: curves with one tangent agree with 200 digits one ulp 
             // left of c; opposite ways, it turns left from a curve that runs up, where its gradient points
             // right.
             const bool left = g.dot(h) > 0 ? sign_of_real(bend) != Sign::Positive : g.x() > 0;
-            CHECK(kernel.sector_contains_left(origin, c, d) == left);
+            CHECK(PointStar(kernel, origin).sector_contains_left(c, d) == left);
         }
         total += kernel.decisions();
     }

@@ -144,11 +144,11 @@ TEST_CASE("walking: forms above the ceiling are the lowest nowhere, and those fa
     for (const bool planes : {false, true}) {
         const FormScene s = planes ? spheres_and_planes(rng, n, 20) : random_spheres(rng, n, size);
         const Rectangle r{2, size - 2, 2, size - 2};
-        std::vector<CircleKernel::Form> forms;
-        for (const CircularForm& f : s.family().forms) forms.push_back(CircleKernel::make_form(f));
+        std::vector<KernelForm> forms;
+        for (const CircularForm& f : s.family().forms) forms.push_back(KernelForm::of(f));
         Ceiling ceiling;
         ceiling.start(r, forms.size());
-        for (const CircleKernel::Form& f : forms)
+        for (const KernelForm& f : forms)
             if (f.k > 0 && f.cx > r.x0 && f.cx < r.x1 && f.cy > r.y0 && f.cy < r.y1)
                 ceiling.add(f, f.cx, f.cy);
         ceiling.finish();
@@ -158,12 +158,12 @@ TEST_CASE("walking: forms above the ceiling are the lowest nowhere, and those fa
             const double x = u(rng), y = u(rng);
             std::size_t best = 0;
             for (std::size_t f = 1; f < forms.size(); ++f)
-                if (CircleKernel::jet(forms[f], x, y).v < CircleKernel::jet(forms[best], x, y).v) best = f;
+                if (forms[f].jet(x, y).v < forms[best].jet(x, y).v) best = f;
             lowest[best] = true;
         }
         int hidden = 0;
         for (std::size_t f = 0; f < forms.size(); ++f) {
-            const CircleKernel::Form& form = forms[f];
+            const KernelForm& form = forms[f];
             const bool is_hidden = ceiling.hides(form);
             hidden += is_hidden;
             CHECK_FALSE((is_hidden && lowest[f]));
