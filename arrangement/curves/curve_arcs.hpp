@@ -9,12 +9,10 @@
 /// Differences below 2^-200 of the scale of the arcs' coordinates, and what 320 bits cannot tell, are assumed
 /// to be zero and counted.
 ///
-/// Identity is combinatorial first. A point knows the pieces on which it lies, from its origin and from what
-/// has been decided.
+/// Which points are one, and on which pieces they lie, CurvePoints knows.
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,24 +22,16 @@
 
 #include "../../core/curves/bspline.hpp"
 #include "../../core/ids.hpp"
-#include "../../core/partition.hpp"
 #include "../sweep/arc_geometry.hpp"
+#include "curve_points.hpp"
 #include "monotone_graph.hpp"
 
 namespace vcell {
 
-struct CurvePointTag {
-    static constexpr char letter = 'p';
-};
 struct CurveTag {
     static constexpr char letter = 'k';
 };
-struct BranchTag {
-    static constexpr char letter = 'b';
-};
-using CurvePointId = Id<CurvePointTag>;
 using CurveId = Id<CurveTag>;
-using BranchId = Id<BranchTag>;
 
 class CurveArcs {
 public:
@@ -69,7 +59,7 @@ public:
     // --- Points and arcs of them. ----------------------------------------------------------------------
 
     /// A point given by exact coordinates.
-    Point point(double x, double y);
+    Point point(double x, double y) { return points_.add(x, y); }
     /// The common points of two different lines or circles, ascending; exact.
     std::vector<Point> crossings(CurveId c, CurveId d);
     /// Appends the whole curve as x-monotone arcs. Pre: c is no line.
@@ -82,14 +72,14 @@ public:
     /// A box of doubles around the point.
     std::array<Interval, 2> box(Point p) const { return {points_[p].x, points_[p].y}; }
     /// A box of 320-bit numbers around it.
-    std::pair<Wide, Wide> fine_box(Point p);
-    const Decisions& decisions() const { return decisions_; }
+    std::pair<Wide, Wide> fine_box(Point p) { return points_.fine_box(p); }
+    const Decisions& decisions() const { return points_.decisions(); }
     /// Where a coincidence was assumed, one point for each in the order of the decisions.
-    const std::vector<Eigen::Vector2d>& assumed_at() const { return assumed_at_; }
+    const std::vector<Eigen::Vector2d>& assumed_at() const { return points_.assumed_at(); }
 
     // --- ArcGeometry. ----------------------------------------------------------------------------------
 
-    Sign compare_xy(Point p, Point q);
+    Sign compare_xy(Point p, Point q) { return points_.compare_xy(p, q); }
     Sign compare_y_at_x(Point p, const Arc& a);
     Sign compare_y_right_of(const Arc& a, const Arc& b, Point p);
     Point left(const Arc& a) const { return a.left; }
@@ -103,23 +93,6 @@ public:
 private:
     class Isolation;
 
-    /// x / denominator, y / denominator. denominator > 0.
-    struct ExactPoint {
-        OneRoot x, y;
-        Exact denominator;
-    };
-    template <class T>
-    static T value_of(const OneRoot& v, const Exact& denominator) {
-        return (enclosure_of<T>(v.a) + enclosure_of<T>(v.b) * sqrt(enclosure_of<T>(v.c))) /
-               enclosure_of<T>(denominator);
-    }
-    struct PointData {
-        Interval x, y;
-        std::function<std::pair<Wide, Wide>()> refine;
-        std::shared_ptr<const ExactPoint> exact;  // or none
-        std::vector<BranchId> on;                 // branches known to hold the point
-        std::optional<std::pair<Wide, Wide>> fine;
-    };
     struct Branch {
         CurveId curve;
         std::shared_ptr<const MonotoneGraph> graph;  // none: vertical
@@ -142,23 +115,8 @@ private:
         std::vector<Sign> signs;
     };
 
-    Point add_point(PointData data);
-    Point add_exact_point(ExactPoint p);
     BranchId add_branch(CurveId c, std::shared_ptr<const MonotoneGraph> graph, Point left, Point right);
-    Point representative(Point p) const { return {equal_to_.find(p.value)}; }
-    void unite(Point p, Point q);
-    void note_on(Point p, BranchId b);
-    void assume(const Interval& x, const Interval& y);
-    bool known_on(Point p, BranchId b) const;
-
-    struct Comparison {
-        Sign sign;
-        bool assumed = false;
-    };
-    Comparison compare_coordinate(Point p, Point q, int axis);
-    Sign compare_x(Point p, Point q);
     Sign side_of(Point p, BranchId b);
-    Sign exact_side_of(const ExactPoint& p, BranchId b) const;
     bool on_half(Point p, BranchId b) const;
 
     const Meeting& meeting(BranchId a, BranchId b);
@@ -166,20 +124,15 @@ private:
     Meeting meet_vertical(BranchId vertical, BranchId b);
     Meeting with_signs_between(BranchId a, BranchId b, std::vector<Point> points);
     Sign sign_between(BranchId a, BranchId b, std::optional<Point> l, std::optional<Point> r);
-    std::vector<Point> exact_points(const Curve& c, const Curve& d);
+    std::vector<Point> find_crossings(const Curve& c, const Curve& d);
     std::optional<Point> later_left(BranchId a, BranchId b);
     std::optional<Point> earlier_right(BranchId a, BranchId b);
 
-    mutable Partition equal_to_, equal_x_;  // of points
-    IdVector<CurvePointId, PointData> points_;
+    CurvePoints points_;
     IdVector<CurveId, Curve> curves_;
     IdVector<BranchId, Branch> branches_;
-    std::map<std::pair<double, double>, Point> given_;
-    std::map<std::pair<CurveId, CurveId>, std::vector<Point>> exact_points_;
+    std::map<std::pair<CurveId, CurveId>, std::vector<Point>> crossings_;
     std::map<std::pair<BranchId, BranchId>, Meeting> meetings_;
-    IdVector<BranchId, std::vector<Point>> points_on_;  // the reverse of PointData::on
-    Decisions decisions_;
-    std::vector<Eigen::Vector2d> assumed_at_;
 };
 
 static_assert(ArcGeometry<CurveArcs>);

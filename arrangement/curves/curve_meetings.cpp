@@ -28,14 +28,14 @@ std::optional<CurveArcs::Point> CurveArcs::later_left(BranchId a, BranchId b) {
     const Point p = branches_[a].left, q = branches_[b].left;
     if (!p.valid() || !q.valid())
         return p.valid() ? std::optional(p) : q.valid() ? std::optional(q) : std::nullopt;
-    return compare_x(p, q) == Sign::Negative ? q : p;
+    return points_.compare_x(p, q) == Sign::Negative ? q : p;
 }
 
 std::optional<CurveArcs::Point> CurveArcs::earlier_right(BranchId a, BranchId b) {
     const Point p = branches_[a].right, q = branches_[b].right;
     if (!p.valid() || !q.valid())
         return p.valid() ? std::optional(p) : q.valid() ? std::optional(q) : std::nullopt;
-    return compare_x(p, q) == Sign::Positive ? q : p;
+    return points_.compare_x(p, q) == Sign::Positive ? q : p;
 }
 
 Sign CurveArcs::sign_between(BranchId a, BranchId b, std::optional<Point> l, std::optional<Point> r) {
@@ -61,19 +61,19 @@ Sign CurveArcs::sign_between(BranchId a, BranchId b, std::optional<Point> l, std
         return p ? std::optional(points_[*p].x) : std::nullopt;
     };
     if (const auto s = sample(rough(l), rough(r)); s && *s != Sign::Zero) {
-        ++decisions_.by_interval;
+        ++points_.decisions().by_interval;
         return *s;
     }
     const auto fine = [&](std::optional<Point> p) {
-        return p ? std::optional(fine_box(*p).first) : std::nullopt;
+        return p ? std::optional(points_.fine_box(*p).first) : std::nullopt;
     };
     const auto s = sample(fine(l), fine(r));
     if (s && *s != Sign::Zero) {
-        ++decisions_.by_multiprecision;
+        ++points_.decisions().by_multiprecision;
         return *s;
     }
     const Point at = l ? *l : *r;
-    assume(points_[at].x, points_[at].y);
+    points_.assume(points_[at].x, points_[at].y);
     return Sign::Zero;
 }
 
@@ -81,11 +81,11 @@ CurveArcs::Meeting CurveArcs::with_signs_between(BranchId a, BranchId b, std::ve
     const auto first = later_left(a, b), last = earlier_right(a, b);
     Meeting m{false, std::move(points), {}};
     m.signs.assign(m.points.size() + 1, Sign::Zero);
-    if (first && last && compare_x(*first, *last) != Sign::Negative) return m;
+    if (first && last && points_.compare_x(*first, *last) != Sign::Negative) return m;
     for (std::size_t i = 0; i <= m.points.size(); ++i) {
         const auto l = i == 0 ? first : m.points[i - 1];
         const auto r = i == m.points.size() ? last : m.points[i];
-        if (l && r && compare_x(*l, *r) != Sign::Negative) continue;
+        if (l && r && points_.compare_x(*l, *r) != Sign::Negative) continue;
         m.signs[i] = sign_between(a, b, l, r);
     }
     return m;
@@ -95,12 +95,17 @@ CurveArcs::Meeting CurveArcs::with_signs_between(BranchId a, BranchId b, std::ve
 class CurveArcs::Isolation {
 public:
     Isolation(CurveArcs& arcs, BranchId a, BranchId b)
-        : m_(arcs), a_(a), b_(b), f_(arcs.branches_[a].graph), g_(arcs.branches_[b].graph) {}
+        : m_(arcs),
+          points_(arcs.points_),
+          a_(a),
+          b_(b),
+          f_(arcs.branches_[a].graph),
+          g_(arcs.branches_[b].graph) {}
 
     Meeting run() {
         // One of the branches is bounded: two lines meet exactly.
         const Point first = m_.later_left(a_, b_).value(), last = m_.earlier_right(a_, b_).value();
-        const Sign order = m_.compare_x(first, last);
+        const Sign order = points_.compare_x(first, last);
         if (order == Sign::Positive) return {false, {}, {Sign::Zero}};
         const Sign left = difference_at(first);
         if (order == Sign::Zero) {
@@ -112,7 +117,7 @@ public:
         if (left == Sign::Zero) result_.points.push_back(first);
         first_ = first;
         last_ = last;
-        section<Interval>({m_.points_[first].x, left}, {m_.points_[last].x, right});
+        section<Interval>({points_[first].x, left}, {points_[last].x, right});
         if (result_.coincide) return {true, {}, {}};
         if (right == Sign::Zero) {
             result_.points.push_back(last);
@@ -129,7 +134,9 @@ private:
         Sign sign;
     };
 
-    Sign difference_at(Point p) { return m_.known_on(p, a_) ? m_.side_of(p, b_) : -m_.side_of(p, a_); }
+    Sign difference_at(Point p) {
+        return points_.is_known_on(p, a_) ? m_.side_of(p, b_) : -m_.side_of(p, a_);
+    }
 
     template <class T>
     T difference(const T& x) const {
@@ -137,7 +144,8 @@ private:
     }
     template <class T>
     void count() {
-        ++(std::is_same_v<T, Interval> ? m_.decisions_.by_interval : m_.decisions_.by_multiprecision);
+        ++(std::is_same_v<T, Interval> ? points_.decisions().by_interval
+                                       : points_.decisions().by_multiprecision);
     }
 
     // The slopes of the graphs differ in order all over x, or one of them falls where the other rises.
@@ -168,7 +176,7 @@ private:
                 return section<Wide>(widened(l), widened(r));
             } else {
                 if (common_end) {
-                    m_.assume(in_doubles(x), f_->y(in_doubles(x)));
+                    points_.assume(in_doubles(x), f_->y(in_doubles(x)));
                 } else {
                     add_assumed(x);
                 }
@@ -194,7 +202,7 @@ private:
             if (!common_end) {
                 add_assumed(x);
             } else {
-                m_.assume(in_doubles(x), f_->y(in_doubles(x)));
+                points_.assume(in_doubles(x), f_->y(in_doubles(x)));
                 // Equal at both ends and wherever it was looked at in between.
                 result_.coincide = l.sign == Sign::Zero && r.sign == Sign::Zero;
             }
@@ -206,8 +214,9 @@ private:
     // Inner nodes are doubles; the ends of the range are known better than by their boxes of doubles.
     Node<Wide> widened(const Node<Interval>& n) {
         for (const Point p : {first_, last_}) {
-            const Interval& x = m_.points_[p].x;
-            if (x.lower() == n.x.lower() && x.upper() == n.x.upper()) return {m_.fine_box(p).first, n.sign};
+            const Interval& x = points_[p].x;
+            if (x.lower() == n.x.lower() && x.upper() == n.x.upper())
+                return {points_.fine_box(p).first, n.sign};
         }
         return as_wide(n);
     }
@@ -234,12 +243,12 @@ private:
     template <class T>
     std::optional<Point> known_between(const T& x) {
         for (const BranchId on : {a_, b_}) {
-            for (const Point q : m_.points_on_[on]) {
-                const Point p = m_.representative(q);
-                const Interval& rough = m_.points_[p].x;
+            for (const Point q : points_.on(on)) {
+                const Point p = points_.representative(q);
+                const Interval& rough = points_[p].x;
                 if (T(rough).upper() < x.lower() || T(rough).lower() > x.upper()) continue;
-                if (!m_.known_on(p, a_) || !m_.known_on(p, b_)) continue;
-                const auto px = m_.fine_box(p).first;
+                if (!points_.is_known_on(p, a_) || !points_.is_known_on(p, b_)) continue;
+                const auto px = points_.fine_box(p).first;
                 if (px.lower() > Wide(x).lower() && px.upper() < Wide(x).upper()) return p;
             }
         }
@@ -269,10 +278,10 @@ private:
                 const Wide fine = enclose_crossing<Wide>(*f, *g, start, right);
                 return std::pair(fine, clamped(f->y(fine), g->y(fine)));
             };
-            p = m_.add_point({x, y, refine, nullptr, {a_, b_}, {}});
+            p = points_.add({x, y, refine, nullptr, {a_, b_}});
         }
-        m_.note_on(*p, a_);
-        m_.note_on(*p, b_);
+        points_.note_on(*p, a_);
+        points_.note_on(*p, b_);
         result_.points.push_back(*p);
     }
 
@@ -287,23 +296,24 @@ private:
         assumed_ = x;
         const std::pair<Wide, Wide> box{x, hull(f_->y(x), g_->y(x))};
         const Interval rough_x = x.enclosure(), rough_y = box.second.enclosure();
-        if (!goes_on) m_.assume(rough_x, rough_y);
+        if (!goes_on) points_.assume(rough_x, rough_y);
         if (const std::optional<Point> known = known_between(x)) {
             if (goes_on) result_.points.pop_back();
-            m_.note_on(*known, a_);
-            m_.note_on(*known, b_);
+            points_.note_on(*known, a_);
+            points_.note_on(*known, b_);
             result_.points.push_back(*known);
             return;
         }
-        const PointData data{rough_x, rough_y, [box] { return box; }, nullptr, {a_, b_}, {}};
+        const CurvePoints::Data data{rough_x, rough_y, [box] { return box; }, nullptr, {a_, b_}};
         if (goes_on) {
-            m_.points_[result_.points.back()] = data;
+            points_.replace(result_.points.back(), data);
         } else {
-            result_.points.push_back(m_.add_point(data));
+            result_.points.push_back(points_.add(data));
         }
     }
 
     CurveArcs& m_;
+    CurvePoints& points_;
     BranchId a_, b_;
     std::shared_ptr<const MonotoneGraph> f_, g_;
     Point first_, last_;
@@ -320,23 +330,23 @@ CurveArcs::Meeting CurveArcs::meet_vertical(BranchId vertical, BranchId b) {
         }
         return m;
     }
-    for (const Point q : std::vector(points_on_[b])) {
-        if (known_on(q, vertical)) return {false, {representative(q)}, {}};
+    for (const Point q : std::vector(points_.on(b))) {
+        if (points_.is_known_on(q, vertical)) return {false, {points_.representative(q)}, {}};
     }
-    const Sign left = compare_x(branch.left, line.anchor), right = compare_x(branch.right, line.anchor);
+    const Sign left = points_.compare_x(branch.left, line.anchor),
+               right = points_.compare_x(branch.right, line.anchor);
     if (left == Sign::Positive || right == Sign::Negative) return {};
     if (left == Sign::Zero || right == Sign::Zero) {
         const Point p = left == Sign::Zero ? branch.left : branch.right;
-        note_on(p, vertical);
+        points_.note_on(p, vertical);
         return {false, {p}, {}};
     }
-    const PointData& anchor = points_[line.anchor];
+    const CurvePoints::Data& anchor = points_[line.anchor];
     const auto refine = [graph = branch.graph, at = anchor.exact] {
-        const Wide x = value_of<Wide>(at->x, at->denominator);
+        const Wide x = coordinate_of<Wide>(at->x, at->denominator);
         return std::pair(x, graph->y(x));
     };
-    return {
-        false, {add_point({anchor.x, branch.graph->y(anchor.x), refine, nullptr, {vertical, b}, {}})}, {}};
+    return {false, {points_.add({anchor.x, branch.graph->y(anchor.x), refine, nullptr, {vertical, b}})}, {}};
 }
 
 CurveArcs::Meeting CurveArcs::meet(BranchId a, BranchId b) {
@@ -349,7 +359,7 @@ CurveArcs::Meeting CurveArcs::meet(BranchId a, BranchId b) {
         std::vector<Point> shared;
         for (const auto& [p, q] : {std::pair(f.left, g.left), std::pair(f.left, g.right),
                                    std::pair(f.right, g.left), std::pair(f.right, g.right)}) {
-            if (p.valid() && representative(p) == representative(q)) shared.push_back(p);
+            if (p.valid() && points_.representative(p) == points_.representative(q)) shared.push_back(p);
         }
         std::sort(shared.begin(), shared.end(),
                   [&](Point p, Point q) { return compare_xy(p, q) == Sign::Negative; });
