@@ -13,9 +13,9 @@
 
 #include <optional>
 
-#include "lanes.hpp"
 #include "nets.hpp"
 #include "space.hpp"
+#include "sphere_net.hpp"
 #include "tangential.hpp"
 
 namespace vcell::check {
@@ -66,56 +66,29 @@ public:
     std::optional<double> growth(const Site& a, double size, double margin) const;
 
 private:
-    struct Point {
-        double x, y, z, w, t;  // homogeneous, about the origin
+    using Linear = SphereNet::Linear;
+    /// A segment as seen from a ball's center, and how far off the distance from it is.
+    struct Line {
+        Vec3 way, across;             ///< its direction, and that from the center to it
+        std::array<double, 2> sines;  ///< of the angles between `across` and the ends
+        Vec3 direction(double sine) const;
     };
-    /// Quotients by the weight, of several points at once. The last one repeats.
-    struct Affine {
-        Lanes x, y, z, t;
-    };
-    /// k w + g (x, y, z) + h t; k is off by no more than `error`, g and h by some 2^-50 of themselves.
-    struct Linear {
-        double k, error;
-        Vec3 g;
-        double h;
-    };
-    TouchingSpheres(const Net& net, const Space<Interval>& space);
+    TouchingSpheres(const SphereNet& net, const Space<Interval>& space) : space_(&space), net_(net) {}
     bool set_height();
     bool set_distance_at_three_places();
     bool set_distance_along_line();
     bool set_distance_within(const Interval& clearance);
     void refer_to_base();
-    bool finish_about_sphere();
-    template <class Coordinate>
-    double divide_by_weights(Coordinate coordinate, Lanes Affine::*quotient);
-    double least_sum(double radius);
-    bool finish();
+    bool set_distance_by_square();
+    bool finish(SphereNet::LeastSum sum);
     Oriented base() const;
     std::optional<Oriented> element(const Site& site) const;
-    Linear difference(const Sphere& ball, const Vec3& center, double radius) const;
     std::optional<Linear> plane_excess(const Site& plane) const;
-    Interval range(const Linear& f) const;
     double least_of(const Linear& f) const;
-    double largest_numerator(const Vec3& center, double radius) const;
-    std::optional<double> largest_square(const Vec3& center, double radius) const;
-    bool is_weight_least_at_loops() const;
 
     const Space<Interval>* space_;
-    int m_, n_;
-    Vec3 origin_;
-    SmallVector<Point, 9> points_;
-    SmallVector<Affine, 3> affine_;
-    Vec3 most_place_ = Vec3::Zero();  // magnitudes of these, at most
-    double most_clearance_ = 0;
-    double position_error_ = 0, weight_error_ = 0;  // of the homogeneous coordinates
-    double clearance_error_ = 0;                    // of t / w
-    // Along a line about a sphere t / w may be less by `sag_`. As seen from the base's center: the way and
-    // the direction across, and the sines of the angles between that and the ends.
-    double sag_ = 0;
-    Vec3 way_, across_;
-    std::array<double, 2> sines_;
-    double least_weight_ = 0, most_weight_ = 0;
-    double least_sum_ = 0;  // on a patch, of t and the base's radius, where it is known
+    SphereNet net_;
+    std::optional<Line> line_;  // along a line about a sphere
     bool is_bent_ = false;
     Interval clearance_;
     Vec3 reference_center_;  // F of the reference is within reference_error_ of 0

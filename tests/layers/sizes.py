@@ -22,7 +22,6 @@ larger = {
     "envelope/diagram: Patchwork",
     "envelope/lift: RadialPatch",
     "envelope/proofs: MixedAnalysis",
-    "io/check: TouchingSpheres",
 }
 
 class_head = re.compile(r"(?<!enum )\b(?:class|struct) ((?:\w+::)*\w+)(?: final)?(?:\s*:[^;{}()]*)?\s*\{")
