@@ -23,17 +23,11 @@ public:
     static Index twin(Index h) { return h ^ 1u; }
     Index target(Index h) const { return half_edges_[twin(h)].origin; }
     const std::vector<HalfEdge>& half_edges() const { return half_edges_; }
-
-protected:
     Index next(Index h) const { return half_edges_[h].next; }
     Index prev(Index h) const { return half_edges_[h].prev; }
     /// The next half-edge that leaves the same vertex, counter-clockwise.
     Index next_around_origin(Index h) const { return twin(prev(h)); }
 
-    void link(Index first, Index second) {
-        half_edges_[first].next = second;
-        half_edges_[second].prev = first;
-    }
     /// visit(h) for the cycle of `start`; it may take out the edge of h.
     template <class Visit>
     void for_cycle(Index start, Visit&& visit) const {
@@ -52,6 +46,12 @@ protected:
             visit(h);
             h = next_around_origin(h);
         } while (h != start);
+    }
+
+protected:
+    void link(Index first, Index second) {
+        half_edges_[first].next = second;
+        half_edges_[second].prev = first;
     }
 
     /// h ends in vertex v, and n goes on from there in its place; copies what else h and its twin are. Pre: n

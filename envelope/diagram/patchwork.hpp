@@ -6,27 +6,22 @@
 /// their sides carry one label), and so do the vertices they leave between two arcs of one curve.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "../../arrangement/dcel/half_edge_mesh.hpp"
-#include "../../core/partition.hpp"
 #include "../circles/work_diagram.hpp"
 #include "../proofs/mixed_piece.hpp"
+#include "labelled_mesh.hpp"
 #include "minimization_diagram.hpp"
 
 namespace vcell {
 
-struct PatchworkHalfEdge {
-    std::uint32_t next, prev, origin, face;
-};
-
-class Patchwork : private HalfEdgeMesh<PatchworkHalfEdge> {
+class Patchwork : private LabelledMesh {
 public:
-    using HalfEdgeMesh::Index;
-    using HalfEdgeMesh::none;
+    using LabelledMesh::Index;
+    using LabelledMesh::none;
 
     /// Room for what this many forms usually leave.
     Patchwork(const FormFamily& family, std::size_t forms);
@@ -47,7 +42,7 @@ public:
     /// Takes over what another patchwork has made of a part of the region: the same as if the pieces had been
     /// added and glued here, but for what gluing has removed, which is left behind. Returns the new handle of
     /// the part that has this one there. Pre: circular forms alone; all seams of its own have been glued.
-    Index take(Patchwork&& part, Index handle);
+    Index take(Patchwork&& part, Index handle) { return LabelledMesh::take(std::move(part), handle); }
 
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);
@@ -68,58 +63,16 @@ public:
 private:
     static constexpr std::uint32_t seam_bit = 0x80000000u;
 
-    struct Vertex {
-        double x, y, error, height, height_error;
-        FormId lowest;  // whose height is to be enclosed, if the vertex stays: most of them lie on seams
-        bool alive = true;
-        Index out = none;
-        Index isolated_in = none;
-        Index ties = none;
-    };
-    // A piece of an arc with a cylinder (MinimizationDiagram::ArcPiece) that knows both its ends.
-    struct Link {
-        Eigen::Vector2d from, to;
-        double from_error, to_error;
-        Eigen::Vector2d direction;
-        std::array<double, 4> box;
-
-        Link reversed() const { return {to, from, to_error, from_error, -direction, box}; }
-    };
-    struct Edge {
-        FormId left, right;  // of half-edge 2e; rim: left only
-        std::uint32_t side = UINT32_MAX;
-        Index ties = none;
-        Index links = none;  // index into links_, in the direction of half-edge 2e
-        bool alive = true;
-    };
-
-    Index add_face(FormId site) {
-        face_sites_.push_back(site);
-        return united_faces_.add();
-    }
-    void merge_faces(Index f, Index g);
     /// Joins an island of the piece that was added last, whose first edge that is, to the face that it lies
     /// in.
     void join_island(Index first_edge);
-    void require_soundness();
-    FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }
-    std::vector<FormId> label_of_edge(Index e) const;
     static constexpr std::size_t usual_chain = 8;
     using Chain = SmallVector<Index, usual_chain>;
     Chain side_chain(Index outer, std::uint32_t seam) const;
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
-    void smooth(Index v);
-    void join_links(Index edge, Index other, bool other_first, bool reverse_other);
     Index join_chains(const Chain& down, const Chain& up);
 
     const FormFamily& family_;
-    std::vector<Vertex> vertices_;
-    std::vector<Edge> edges_;
-    std::vector<FormId> face_sites_;
-    Partition united_faces_;  // across seams; the first one stands for all
-    std::vector<std::vector<FormId>> ties_;
-    std::vector<std::vector<Link>> links_;
-    std::vector<Index> isolated_;
     std::vector<Index> face_map_, vertex_map_, edge_map_, around_;  // working space of add()
     std::uint32_t seams_ = 0;
     std::uint32_t upper_rim_ = UINT32_MAX;

@@ -19,7 +19,6 @@ folders = ["apps", "arrangement", "bench", "core", "envelope", "examples", "io",
 # What is larger still. What is divided one day is struck off.
 larger = {
     "envelope/circles: WorkDiagram",
-    "envelope/diagram: Patchwork",
     "envelope/lift: RadialPatch",
     "envelope/proofs: MixedAnalysis",
 }

@@ -1,11 +1,11 @@
-// What a patchwork comes to once all pieces have been glued: a Dcel with boundary components and labels.
+#include "frozen_mesh.hpp"
+
 #include <algorithm>
 #include <string>
 #include <utility>
 
 #include "../../core/errors.hpp"
 #include "../../core/sort_unique.hpp"
-#include "patchwork.hpp"
 
 namespace vcell {
 
@@ -16,8 +16,8 @@ namespace {
 // face the outer component of a face is the one on the way there.
 class Components {
 public:
-    using Index = Patchwork::Index;
-    static constexpr Index none = Patchwork::none;
+    using Index = LabelledMesh::Index;
+    static constexpr Index none = LabelledMesh::none;
 
     explicit Components(std::size_t faces) : first_(faces, none) {}
 
@@ -74,70 +74,77 @@ private:
 
 }  // namespace
 
-MinimizationDiagram Patchwork::finish(const Heights& heights) {
-    require_soundness();
+MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside, const Heights& heights) {
+    using Index = LabelledMesh::Index;
+    constexpr Index none = LabelledMesh::none;
+    const FormFamily& family = heights.family();
+    const auto& vertices = mesh.vertices();
+    const auto& edges = mesh.edges();
+    const auto& half_edges = mesh.half_edges();
     MinimizationDiagram out;
-    out.forms = family_.forms;
-    out.cylinders = family_.cylinders;
-    out.radial = family_.radial;
+    out.forms = family.forms;
+    out.cylinders = family.cylinders;
+    out.radial = family.radial;
 
-    std::vector<Index> vertex_map(vertices_.size(), none), edge_map(edges_.size(), none),
-        face_map(face_sites_.size() + 2, none);
-    const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges_, &Edge::alive));
-    const auto alive_vertices = static_cast<std::size_t>(std::ranges::count_if(vertices_, &Vertex::alive));
-    out.dcel.reserve(alive_vertices, alive_edges, face_sites_.size() + 1);
+    std::vector<Index> vertex_map(vertices.size(), none), edge_map(edges.size(), none),
+        face_map(mesh.face_count() + 2, none);
+    const auto alive_edges =
+        static_cast<std::size_t>(std::ranges::count_if(edges, &LabelledMesh::Edge::alive));
+    const auto alive_vertices =
+        static_cast<std::size_t>(std::ranges::count_if(vertices, &LabelledMesh::Vertex::alive));
+    out.dcel.reserve(alive_vertices, alive_edges, mesh.face_count() + 1);
     out.vertices.reserve(alive_vertices);
     out.edges.reserve(alive_edges);
     out.face_forms.push_back({});
-    for (Index v = 0; v < vertices_.size(); ++v) {
-        if (!vertices_[v].alive) continue;
+    for (Index v = 0; v < vertices.size(); ++v) {
+        if (!vertices[v].alive) continue;
         vertex_map[v] = out.dcel.add_vertex().value;
-        Vertex& from = vertices_[v];
+        const LabelledMesh::Vertex& from = vertices[v];
+        double size = from.height, off = from.height_error;
         if (from.lowest.valid()) {
             const Interval x = Interval::ball(from.x, from.error), y = Interval::ball(from.y, from.error);
             const Interval height = heights.value(from.lowest, x, y) * heights.scale(x, y);
-            from.height = height.mid();
-            from.height_error = height.radius();
+            size = height.mid();
+            off = height.radius();
         }
-        out.vertices.push_back({{from.x, from.y}, from.error, from.height, from.height_error});
+        out.vertices.push_back({{from.x, from.y}, from.error, size, off});
     }
-    for (Index e = 0; e < edges_.size(); ++e) {
-        if (!edges_[e].alive) continue;
-        const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+    for (Index e = 0; e < edges.size(); ++e) {
+        if (!edges[e].alive) continue;
+        const Index from = half_edges[2 * e].origin, to = half_edges[2 * e + 1].origin;
         edge_map[e] = out.dcel
                           .add_edge(from == none ? VertexId{} : VertexId{vertex_map[from]},
                                     to == none ? VertexId{} : VertexId{vertex_map[to]})
                           .value;
-        out.edges.push_back({edges_[e].left, edges_[e].right, edges_[e].side});
-        if (family_.is_all_circular()) continue;
+        out.edges.push_back({edges[e].left, edges[e].right, edges[e].side});
+        if (family.is_all_circular()) continue;
         out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
-        if (edges_[e].links == none) continue;
-        for (const Link& l : links_[edges_[e].links])
+        for (const LabelledMesh::Link& l : mesh.links(e))
             out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
     }
-    if (!family_.is_all_circular())
+    if (!family.is_all_circular())
         out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
     const auto half_edge = [&](Index h) { return HalfEdgeId{2 * edge_map[h >> 1] | (h & 1u)}; };
-    for (Index h = 0; h < half_edges_.size(); ++h)
-        if (edges_[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges_[h].next));
+    for (Index h = 0; h < half_edges.size(); ++h)
+        if (edges[h >> 1].alive) out.dcel.link(half_edge(h), half_edge(half_edges[h].next));
 
     // Faces outside the region are numbered after the others: the unbounded one, and beyond a cylinder's
     // upper rim.
-    const auto inside = static_cast<Index>(face_sites_.size());
-    const Index root = pole_face_ == none ? inside : united_faces_.find(pole_face_);
+    const auto inside = static_cast<Index>(mesh.face_count());
+    const Index root = outside.pole_face == none ? inside : mesh.united(outside.pole_face);
     const auto face_of = [&](Index h) {
-        if (half_edges_[h].face != none) return united_faces_.find(half_edges_[h].face);
-        return edges_[h >> 1].side == upper_rim_ ? inside + 1 : inside;
+        if (half_edges[h].face != none) return mesh.united(half_edges[h].face);
+        return edges[h >> 1].side == outside.upper_rim ? inside + 1 : inside;
     };
     Components components(inside + 2);
-    std::vector<Index> component_of(half_edges_.size(), none);
-    for (Index h = 0; h < half_edges_.size(); ++h) {
-        if (!edges_[h >> 1].alive || component_of[h] != none) continue;
+    std::vector<Index> component_of(half_edges.size(), none);
+    for (Index h = 0; h < half_edges.size(); ++h) {
+        if (!edges[h >> 1].alive || component_of[h] != none) continue;
         const Index c = components.add(h, face_of(h));
-        for (Index g = h; component_of[g] == none; g = half_edges_[g].next) component_of[g] = c;
+        for (Index g = h; component_of[g] == none; g = half_edges[g].next) component_of[g] = c;
     }
     if (components.is_nested(root)) {
-        for (Index h = 0; h < half_edges_.size(); h += 2)
+        for (Index h = 0; h < half_edges.size(); h += 2)
             if (component_of[h] != none) components.join(component_of[h], component_of[h + 1]);
         components.find_outer(root);
     }
@@ -146,7 +153,7 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     };
     for (Index c = components.first(root); c != none; c = components.next(c))
         add_inner(Dcel::unbounded_face(), c);
-    if (root != inside) out.face_forms[Dcel::unbounded_face()] = face_sites_[root];
+    if (root != inside) out.face_forms[Dcel::unbounded_face()] = mesh.site(root);
     face_map[root] = Dcel::unbounded_face().value;
     const auto add_face = [&](Index f, FormId form) {
         if (f == root || components.first(f) == none) return;
@@ -160,10 +167,10 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
             if (c != outer) add_inner(id, c);
     };
     add_face(inside + 1, {});
-    for (Index f = 0; f < inside; ++f) add_face(f, face_sites_[f]);
-    for (const Index v : isolated_)
-        if (vertices_[v].alive)
-            out.dcel.add_isolated_vertex(FaceId{face_map[united_faces_.find(vertices_[v].isolated_in)]},
+    for (Index f = 0; f < inside; ++f) add_face(f, mesh.site(f));
+    for (const Index v : mesh.isolated())
+        if (vertices[v].alive)
+            out.dcel.add_isolated_vertex(FaceId{face_map[mesh.united(vertices[v].isolated_in)]},
                                          VertexId{vertex_map[v]});
 
     // Labels: the faces around, and whatever else ties.
@@ -171,15 +178,15 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
     std::vector<std::uint32_t> sides;
     out.vertex_offsets_.push_back(0);
     out.side_offsets_.push_back(0);
-    for (Index v = 0; v < vertices_.size(); ++v) {
-        if (!vertices_[v].alive) continue;
+    for (Index v = 0; v < vertices.size(); ++v) {
+        if (!vertices[v].alive) continue;
         label.clear();
         sides.clear();
-        if (vertices_[v].ties != none) label = ties_[vertices_[v].ties];
-        if (vertices_[v].out != none)
-            for_leaving(vertices_[v].out, [&](Index h) {
-                if (left_of(h).valid()) label.push_back(left_of(h));
-                if (edges_[h >> 1].side != UINT32_MAX) sides.push_back(edges_[h >> 1].side);
+        if (vertices[v].ties != none) label = mesh.ties(vertices[v].ties);
+        if (vertices[v].out != none)
+            mesh.for_leaving(vertices[v].out, [&](Index h) {
+                if (mesh.left_of(h).valid()) label.push_back(mesh.left_of(h));
+                if (edges[h >> 1].side != UINT32_MAX) sides.push_back(edges[h >> 1].side);
             });
         sort_unique(label);
         sort_unique(sides);
@@ -189,11 +196,11 @@ MinimizationDiagram Patchwork::finish(const Heights& heights) {
         out.side_offsets_.push_back(static_cast<std::uint32_t>(out.vertex_sides_.size()));
     }
     out.edge_offsets_.push_back(0);
-    for (Index e = 0; e < edges_.size(); ++e) {
-        if (!edges_[e].alive) continue;
-        const auto [left, right] = std::pair(edges_[e].left, edges_[e].right);
-        if (edges_[e].ties != none || !left.valid() || !right.valid()) {
-            label = label_of_edge(e);
+    for (Index e = 0; e < edges.size(); ++e) {
+        if (!edges[e].alive) continue;
+        const auto [left, right] = std::pair(edges[e].left, edges[e].right);
+        if (edges[e].ties != none || !left.valid() || !right.valid()) {
+            label = mesh.label_of_edge(e);
             out.edge_labels_.insert(out.edge_labels_.end(), label.begin(), label.end());
         } else {
             out.edge_labels_.push_back(std::min(left, right));
