@@ -86,13 +86,13 @@
 #include <optional>
 #include <string_view>
 
-#include "../../core/curves/bspline.hpp"
 #include "../../primitives/bases/radial_base.hpp"
+#include "biquadratic_surface.hpp"
 #include "patch_coordinate.hpp"
 
 namespace vcell {
 
-class RadialPatch {
+class RadialPatch : public BiquadraticSurface {
 public:
     enum class Kind : std::uint8_t { Planar, Stereographic, Confocal, AboutObject, AboutBase };
 
@@ -108,7 +108,6 @@ public:
                 bool wide = false);
 
     Kind kind() const { return kind_; }
-    std::array<int, 2> degree() const { return degree_; }
 
     /// A cylinder's patch may be for half of a cylinder base only: n.half() >= 0 for its normals n.
     const std::optional<Vec3>& half() const { return half_; }
@@ -140,42 +139,7 @@ public:
                 PatchCoordinate::value(v.numerator, x, weight), PatchCoordinate::value(u.divisor, x, weight)};
     }
 
-    /// (P, w) at (u, v), in any number type.
-    template <class T>
-    std::array<T, 4> homogeneous(const T& u, const T& v) const;
-    Vec3 operator()(const Vec2& uv) const {
-        const auto [x, y, z, w] = homogeneous<double>(uv.x(), uv.y());
-        return Vec3(x, y, z) / w;
-    }
-    /// The coefficient of u^i v^j in (P, w).
-    const Eigen::Vector4d& coefficient(int i, int j) const { return coefficients_[3 * i + j]; }
-
-    /// The bisector over a rectangle as a Bezier patch in world coordinates. None where a weight is not
-    /// positive.
-    /// `rounding`: bound on how far its surface is from that of the coefficients.
-    std::optional<RationalPatch> patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
-                                       const BaseFrame& frame, double& rounding) const;
-
-    /// Bounds the rounding for points on a curve in the rectangle. A control point of little weight may lie
-    /// far away in a corner that no trim reaches, and moves the surface no more than by its share there. The
-    /// curve is divided until the bound is below `enough`, or within a factor of two of the best that can be
-    /// said.
-    double rounding_along(const RationalCurve2& curve, const std::array<double, 2>& u,
-                          const std::array<double, 2>& v, const BaseFrame& frame, double enough) const;
-
 private:
-    /// Is it all of a surface but for one point: of an ellipsoid?
-    bool is_closed() const { return kind_ == Kind::Stereographic && coefficient(2, 0).w() > 0; }
-    /// Are its weights positive all over? Then those of its control points are in some degree, too.
-    bool has_raised() const { return is_closed() || is_in_tube_; }
-    bool has_positive_net(const std::array<double, 2>& u, const std::array<double, 2>& v) const;
-    /// patch() of such ones, in as high a degree as its weights need to be positive.
-    std::optional<RationalPatch> raised_patch(const std::array<double, 2>& u, const std::array<double, 2>& v,
-                                              const BaseFrame& frame, double& rounding) const;
-    /// Calls use(k, h, size) for the control points h = (P, w), k as in RationalPatch, and the sums of their
-    /// terms' absolute values, as long as it returns true.
-    template <class Use>
-    void for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v, Use use) const;
     void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
     /// v is linear as along_, along_start_ and along_across_ have it.
     void set_coordinates(const PatchCoordinate& u);
@@ -192,23 +156,16 @@ private:
     void set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y);
     void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
                         double y, bool wide);
-    /// Adds u^i v^j h.
-    void add(int i, int j, const Eigen::Vector4d& h) { coefficients_[3 * i + j] += h; }
-    /// Adds f(u) g(v) h with polynomials f, g.
-    void add(const std::array<double, 3>& f, const std::array<double, 3>& g, const Eigen::Vector4d& h);
     /// Adds half of `power` times n of stereographic coordinates about z.
     void add_direction(double power, const Vec3& z);
 
     Kind kind_ = Kind::Planar;
-    std::array<int, 2> degree_{1, 1};
-    std::array<Eigen::Vector4d, 9> coefficients_{};
     // Of the inverse: axes and where they start; v = along_.p + along_start_ where it is a length along an
     // axis, and along_across_ of the distance from it more along or in a cone.
     std::array<Vec3, 3> axes_{};
     Vec3 origin_ = Vec3::Zero(), along_ = Vec3::Zero();
     double along_start_ = 0, along_across_ = 0;
     std::optional<Vec3> half_;
-    bool is_in_tube_ = false;  // or in a cone
     PatchCoordinates coordinates_;
 };
 
@@ -233,18 +190,6 @@ std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
     }
     const T wide = sqrt(x * x + y * y);
     return {y / (wide + x), along(along_, p[0], p[1], p[2]) + T(along_start_) + T(along_across_) * wide};
-}
-
-template <class T>
-std::array<T, 4> RadialPatch::homogeneous(const T& u, const T& v) const {
-    std::array<T, 4> sum;
-    for (int k = 0; k < 4; ++k) {
-        const auto row = [&](int i) {
-            return T(coefficient(i, 0)[k]) + v * (T(coefficient(i, 1)[k]) + v * T(coefficient(i, 2)[k]));
-        };
-        sum[k] = row(0) + u * (row(1) + u * row(2));
-    }
-    return sum;
 }
 
 }  // namespace vcell

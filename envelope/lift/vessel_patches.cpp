@@ -11,7 +11,8 @@ using namespace radial_patch_terms;
 
 // S = power n / (2 (delta W - c.n)), and of any pole n and W are quadratic.
 void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle) {
-    degree_ = {2, 2};
+    set_degree(2, 2, Terms::Total);
+    set_extent(Extent::Closed);
     const Vec3 z = middle.normalized(), x = z.unitOrthogonal();
     set_axes(Kind::Stereographic, x, z.cross(x), Vec3::Zero());
     const double along = c.dot(z);
@@ -24,8 +25,8 @@ void RadialPatch::set_in_sphere(const Vec3& c, double delta, double power, const
 }
 
 void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle) {
-    degree_ = {2, 2};
-    is_in_tube_ = true;
+    set_degree(2, 2, Terms::Product);
+    set_extent(Extent::Around);
     const Vec3 axis = vessel.axis.stableNormalized(), &apex = vessel.apex, D = -apex;
     const double S = vessel.sine(), K = vessel.cosine(), h0 = D.dot(axis), P = S * h0 + radius;
     const Vec3 out = D - h0 * axis;
@@ -56,7 +57,7 @@ void RadialPatch::set_in_cone(const HollowCone& vessel, double radius, const Vec
 void RadialPatch::set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y) {
     const AxialTerms f(problem, form, y);
     if (!f.has_root) return set_about_base(middle, 2 * f.b, 2 * f.b0, f.c, y);
-    degree_ = {2, 2};
+    set_degree(2, 2, Terms::Product);
     const Vec3 x = across(Vec3::UnitY(), middle);
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
     const double rise = -f.slope;

@@ -19,7 +19,6 @@ folders = ["apps", "arrangement", "bench", "core", "envelope", "examples", "io",
 # What is larger still. What is divided one day is struck off.
 larger = {
     "envelope/circles: WorkDiagram",
-    "envelope/lift: RadialPatch",
     "envelope/proofs: MixedAnalysis",
 }
 
