@@ -7,25 +7,26 @@
 #include <variant>
 #include <vector>
 
+#include "../../arrangement/circles/circle_arcs.hpp"
 #include "../../arrangement/sweep/overlay.hpp"
 #include "work_diagram.hpp"
 
 namespace vcell {
 
+namespace {
+
 using ArcArrangement = Arrangement<CircleArcs>;
 
 /// The arrangement of a diagram's edges, cut where they are not x-monotone, and what its elements stand for.
-struct WorkDiagram::Layer {
+struct DiagramLayer {
     ArcArrangement arrangement;
-    IdVector<VertexId, Index> vertices;  // none: the leftmost or rightmost point of an edge's curve
-    IdVector<EdgeId, Index> half_edges;  // the half-edge that runs to the right
-    IdVector<FaceId, Index> faces;
+    IdVector<VertexId, WorkMesh::Index> vertices;  // none: the leftmost or rightmost point of an edge's curve
+    IdVector<EdgeId, WorkMesh::Index> half_edges;  // the half-edge that runs to the right
+    IdVector<FaceId, WorkMesh::Index> faces;
 };
 
-namespace {
-
 /// The elements of two arrangements in which each element of their overlay lies.
-struct Origins {
+struct OverlayOrigins {
     std::vector<std::array<Feature, 2>> vertices, edges;
     std::vector<std::array<FaceId, 2>> faces;
 
@@ -34,9 +35,13 @@ struct Origins {
     void face(FaceId, FaceId a, FaceId b) { faces.push_back({a, b}); }
 };
 
-}  // namespace
-
-WorkDiagram::Layer WorkDiagram::make_layer(CircleArcs& geometry) const {
+DiagramLayer make_layer(const WorkMesh& mesh, CircleArcs& geometry) {
+    using Index = WorkMesh::Index;
+    constexpr Index none = WorkMesh::none;
+    const auto& vertices = mesh.vertices();
+    const auto& edges = mesh.edges();
+    const auto& half_edges = mesh.half_edges();
+    const auto& faces = mesh.faces();
     struct Node {
         PointId point;
         Index vertex;
@@ -48,31 +53,31 @@ WorkDiagram::Layer WorkDiagram::make_layer(CircleArcs& geometry) const {
     };
     std::vector<Node> nodes;
     std::vector<Piece> pieces;
-    std::vector<std::uint32_t> node_of(vertices_.size(), none);
+    std::vector<std::uint32_t> node_of(vertices.size(), none);
     std::vector<std::array<std::uint32_t, 2>> chains(
-        edges_.size());  // of each edge: its pieces [i, j), in order
-    for (Index v = 0; v < vertices_.size(); ++v) {
-        if (!vertices_[v].alive) continue;
+        edges.size());  // of each edge: its pieces [i, j), in order
+    for (Index v = 0; v < vertices.size(); ++v) {
+        if (!vertices[v].alive) continue;
         node_of[v] = static_cast<std::uint32_t>(nodes.size());
-        nodes.push_back({vertices_[v].point, v});
+        nodes.push_back({vertices[v].point, v});
     }
     std::vector<CircleArcs::Arc> arcs;
-    for (Index e = 0; e < edges_.size(); ++e) {
-        if (!edges_[e].alive) continue;
-        const FormPair c = edges_[e].curve;
-        const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
+    for (Index e = 0; e < edges.size(); ++e) {
+        if (!edges[e].alive) continue;
+        const FormPair c = edges[e].curve;
+        const Index from = half_edges[2 * e].origin, to = half_edges[2 * e + 1].origin;
         arcs.clear();
         if (from == none) {
             geometry.cut_circle(c, arcs);
             if (arcs[0].curve != c) std::swap(arcs[0], arcs[1]);  // the first one runs to the right
         } else if (from == to) {
-            const PointId p = vertices_[from].point;
+            const PointId p = vertices[from].point;
             const auto [left, right] = geometry.x_extremes(c);
             const PointId beyond = geometry.compare_xy(p, left) == Sign::Zero ? right : left;
             geometry.cut_arc(c, p, beyond, arcs);
             geometry.cut_arc(c, beyond, p, arcs);
         } else {
-            geometry.cut_arc(c, vertices_[from].point, vertices_[to].point, arcs);
+            geometry.cut_arc(c, vertices[from].point, vertices[to].point, arcs);
         }
         const auto new_node = [&](PointId p) {
             nodes.push_back({p, none});
@@ -101,7 +106,7 @@ WorkDiagram::Layer WorkDiagram::make_layer(CircleArcs& geometry) const {
     std::ranges::sort(order, [&](std::uint32_t i, std::uint32_t j) {
         return i != j && geometry.compare_xy(nodes[i].point, nodes[j].point) == Sign::Negative;
     });
-    Layer layer;
+    DiagramLayer layer;
     Dcel& dcel = layer.arrangement.dcel;
     for (std::uint32_t i = 0; i < order.size(); ++i) {
         rank[order[i]] = i;
@@ -135,33 +140,36 @@ WorkDiagram::Layer WorkDiagram::make_layer(CircleArcs& geometry) const {
         return piece_half_edge(h & 1u ? chains[h >> 1][0] : chains[h >> 1][1] - 1, h);
     };
     Index rim = none;
-    for (Index e = 0; e < edges_.size(); ++e) {
-        if (!edges_[e].alive) continue;
+    for (Index e = 0; e < edges.size(); ++e) {
+        if (!edges[e].alive) continue;
         for (std::uint32_t i = chains[e][0]; i + 1 < chains[e][1]; ++i) {
             dcel.link(piece_half_edge(i, 2 * e), piece_half_edge(i + 1, 2 * e));
             dcel.link(piece_half_edge(i + 1, 2 * e + 1), piece_half_edge(i, 2 * e + 1));
         }
-        for (const Index h : {2 * e, 2 * e + 1}) dcel.link(last_of(h), first_of(half_edges_[h].next));
-        if (edges_[e].rim) rim = e;
+        for (const Index h : {2 * e, 2 * e + 1}) dcel.link(last_of(h), first_of(half_edges[h].next));
+        if (edges[e].rim) rim = e;
     }
-    layer.faces.push_back(outside);
+    layer.faces.push_back(WorkMesh::outside);
     dcel.add_inner_ccb(Dcel::unbounded_face(), first_of(2 * rim + 1));
-    for (Index f = 1; f < faces_.size(); ++f) {
-        if (!faces_[f].alive) continue;
+    for (Index f = 1; f < faces.size(); ++f) {
+        if (!faces[f].alive) continue;
         const FaceId face = dcel.add_face();
         layer.faces.push_back(f);
-        dcel.add_outer_ccb(face, first_of(faces_[f].outer));
-        for (const Index h : faces_[f].inner) dcel.add_inner_ccb(face, first_of(h));
-        for (const Index v : faces_[f].isolated) dcel.add_isolated_vertex(face, VertexId{rank[node_of[v]]});
+        dcel.add_outer_ccb(face, first_of(faces[f].outer));
+        for (const Index h : faces[f].inner) dcel.add_inner_ccb(face, first_of(h));
+        for (const Index v : faces[f].isolated) dcel.add_isolated_vertex(face, VertexId{rank[node_of[v]]});
     }
     return layer;
 }
 
+}  // namespace
+
 void WorkDiagram::merge(const WorkDiagram& defender, const WorkDiagram& challenger) {
     CircleArcs geometry(kernel_);
     const std::array<const WorkDiagram*, 2> sources{&defender, &challenger};
-    const std::array<Layer, 2> layers{defender.make_layer(geometry), challenger.make_layer(geometry)};
-    Origins origins;
+    const std::array<DiagramLayer, 2> layers{make_layer(defender, geometry),
+                                             make_layer(challenger, geometry)};
+    OverlayOrigins origins;
     const ArcArrangement overlaid = overlay(geometry, layers[0].arrangement, layers[1].arrangement, origins);
     const Dcel& dcel = overlaid.dcel;
 
@@ -238,16 +246,15 @@ void WorkDiagram::merge(const WorkDiagram& defender, const WorkDiagram& challeng
             face.isolated.push_back(v.value);
             vertices_[v.value].isolated_in = f;
         }
-        for_cycle(face.outer, [&](Index h) {
-            const std::array<double, 4>& b = edges_[h >> 1].bounds.box;
-            face.box = {std::min(face.box[0], b[0]), std::max(face.box[1], b[1]), std::min(face.box[2], b[2]),
-                        std::max(face.box[3], b[3])};
-        });
+        for_cycle(face.outer, [&](Index h) { grow(face.box, edges_[h >> 1].bounds.box); });
         duels_.push_back({f, site(id, 1)});
     }
 
     merging_ = true;
-    resolve();
+    begin();
+    for (Duel& d : duels_) decide_boundary(d);
+    unite_ties();
+    divide_faces();
     merging_ = false;
 }
 
@@ -309,44 +316,6 @@ void WorkDiagram::unite_ties() {
             gather_sides(e);
         edge.ties = all.empty() ? none : store();
     }
-}
-
-// Removes v if it only continues one arc: two edges of one curve and one label, and nothing else that
-// attains the minimum at v.
-void WorkDiagram::smooth(Index v) {
-    const Index h = vertices_[v].out;
-    if (!vertices_[v].alive || h == none) return;
-    const Index g = next_around_origin(h), e = h >> 1, f = g >> 1;
-    if (g == h || next_around_origin(g) != h) return;
-    if (half_edges_[h].label != half_edges_[twin(g)].label ||
-        half_edges_[twin(h)].label != half_edges_[g].label)
-        return;
-    if (edges_[e].rim && edges_[e].curve != edges_[f].curve) return;
-    const auto label = [&](Index edge) {
-        std::vector<FormId> forms;
-        if (edges_[edge].ties != none) forms = ties_[edges_[edge].ties];
-        for (const Index half : {2 * edge, 2 * edge + 1})
-            if (half_edges_[half].label.valid()) forms.push_back(half_edges_[half].label);
-        std::ranges::sort(forms);
-        forms.erase(std::ranges::unique(forms).begin(), forms.end());
-        return forms;
-    };
-    if (vertices_[v].ties != none || edges_[e].ties != none || edges_[f].ties != none) {
-        const std::vector<FormId> forms = label(e);
-        if (forms != label(f)) return;
-        if (vertices_[v].ties != none && std::ranges::any_of(ties_[vertices_[v].ties], [&](FormId form) {
-                return !std::ranges::binary_search(forms, form);
-            }))
-            return;
-    }
-    if (e != f) {
-        join_with_next(twin(h));
-        return;
-    }
-    // The last vertex of a closed curve, which counts as one vertex and one edge still.
-    remove_vertex(v);
-    half_edges_[h].origin = half_edges_[g].origin = none;
-    set_bounds(e);
 }
 
 }  // namespace vcell

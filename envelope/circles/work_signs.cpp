@@ -1,5 +1,5 @@
-// WorkDiagram where a challenger is compared with the diagram: its sign at vertices and along edges, and the
-// cuts where that changes.
+#include "work_signs.hpp"
+
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include "../../arrangement/circles/curve_order.hpp"
 #include "../../arrangement/circles/point_star.hpp"
 #include "../../core/errors.hpp"
-#include "work_diagram.hpp"
 
 namespace vcell {
 
@@ -22,7 +21,14 @@ constexpr double slope_margin = 1e-5;
 
 }  // namespace
 
-void WorkDiagram::decide_boundary(Duel& d) {
+void WorkSigns::clear() {
+    WorkMesh::clear();
+    stamp_ = 0;
+    merging_ = false;
+    visits_ = walks_ = 0;
+}
+
+void WorkSigns::decide_boundary(Duel& d) {
     const Face& f = faces_[d.face];
     const FormPair rival = rivals(d.challenger, f.site);
     const double K = steepening(rival);
@@ -57,12 +63,12 @@ void WorkDiagram::decide_boundary(Duel& d) {
 }
 
 // Upper bound of |K| of challenger - defender.
-double WorkDiagram::steepening(FormPair rival) const {
+double WorkSigns::steepening(FormPair rival) const {
     const double Kb = kernel_.form(rival.f).K, Ka = kernel_.form(rival.g).K;
     return std::abs(Kb - Ka) + rounding_margin * (std::abs(Kb) + std::abs(Ka));
 }
 
-Sign WorkDiagram::find_vertex_sign(Index v, FormPair rival) {
+Sign WorkSigns::find_vertex_sign(Index v, FormPair rival) {
     Vertex& vertex = vertices_[v];
     vertex.stamp = stamp_;
     const FormId challenger = challenger_of(rival);
@@ -92,8 +98,8 @@ Sign WorkDiagram::find_vertex_sign(Index v, FormPair rival) {
 // Do the values at the ends and the steepest slope all over the face prove that challenger - defender keeps a
 // sign along the edge? On the chord it is a parabola of second derivative 2 K, which falls below the lesser
 // end by K l^2 / 4 at most; from there to the arc it changes by at most the slope times the sagitta.
-bool WorkDiagram::steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
-                                      double K) const {
+bool WorkSigns::steadily_keeps_sign(const Edge& edge, const Vertex& v, const Vertex& w, const Duel& d,
+                                    double K) const {
     const double l = edge.bounds.chord, s = edge.bounds.sagitta;
     return v.sign == w.sign && std::min(v.margin, w.margin) > (0.25 * K * l * l + d.slope * s) * (1 + 1e-9);
 }
@@ -104,7 +110,7 @@ bool WorkDiagram::steadily_keeps_sign(const Edge& edge, const Vertex& v, const V
 // otherwise: a parabola whose minimum is in an end if |m - n| >= k, and (k - |m - n|)^2 / 4k below the lesser
 // end if not. The arc is less than half a circle, so all of it stands on the chord: from there to it g
 // changes by at most |g'| s + |K| s^2, g' being the slope across the chord, which is the same all along it.
-bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
+bool WorkSigns::keeps_sign(Index e, FormPair rival, Sign common) const {
     const Vertex &v = vertices_[half_edges_[2 * e].origin], &w = vertices_[half_edges_[2 * e + 1].origin];
     const double m = v.margin, n = w.margin;
     if (!(m > 0 && n > 0)) return false;  // a slower rung told the sign
@@ -135,7 +141,7 @@ bool WorkDiagram::keeps_sign(Index e, FormPair rival, Sign common) const {
 }
 
 // Is that, or the values all over a box around the edge, a proof?
-bool WorkDiagram::surely_keeps_sign(Index e, FormPair rival, Sign common) {
+bool WorkSigns::surely_keeps_sign(Index e, FormPair rival, Sign common) {
     if (edges_[e].is_shorter) set_bounds(e);
     if (keeps_sign(e, rival, common)) return true;
     const auto [x, y, rx, ry] = box_middle(edges_[e].bounds.box);
@@ -147,7 +153,7 @@ bool WorkDiagram::surely_keeps_sign(Index e, FormPair rival, Sign common) {
 
 // The first root of challenger - defender on an edge at whose ends that has one sign: there is another one
 // behind it, unless it touches there.
-std::optional<WorkDiagram::Cut> WorkDiagram::first_root(Index e, FormPair rival, Sign common) {
+std::optional<WorkSigns::Cut> WorkSigns::first_root(Index e, FormPair rival, Sign common) {
     const Edge& edge = edges_[e];
     const FormPair c = edge.curve;
     // Two lines cross once, and then the signs at the ends would differ.
@@ -174,7 +180,7 @@ std::optional<WorkDiagram::Cut> WorkDiagram::first_root(Index e, FormPair rival,
 }
 
 // The root of challenger - defender on the edge that its curve's turn names.
-WorkDiagram::Cut WorkDiagram::change_of_sign(Index e, FormPair rival, Sign turn) {
+WorkSigns::Cut WorkSigns::change_of_sign(Index e, FormPair rival, Sign turn) {
     const auto root = kernel_.intersection(edges_[e].curve, rival, turn, chord_middle(e));
     if (!root) throw InternalError("no root of a sign change on edge e" + std::to_string(e));
     return {*root, false};
@@ -184,7 +190,7 @@ WorkDiagram::Cut WorkDiagram::change_of_sign(Index e, FormPair rival, Sign turn)
 // opposite ways: crossing from minus to plus along c is a positive turn c x rival. So a change of sign
 // between the ends names its root; equal signs leave none or both; an end that is a root names the other.
 // Returns whether the edge has been cut.
-bool WorkDiagram::decide_edge(Index e, FormPair rival) {
+bool WorkSigns::decide_edge(Index e, FormPair rival) {
     Edge& edge = edges_[e];
     const FormPair c = edge.curve;
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
@@ -271,7 +277,7 @@ bool WorkDiagram::decide_edge(Index e, FormPair rival) {
 
 // Splits e at the cuts, in order along its curve. Parts that a single challenger takes over are as good as
 // gone. The sign before the first is given; it changes at every cut that is no touching.
-bool WorkDiagram::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
+bool WorkSigns::cut_edge(Index e, FormPair rival, std::span<const Cut> cuts, Sign before) {
     const auto stays = [&](Index part) {
         return merging_ || edges_[part].rim || edges_[part].sign != Sign::Negative;
     };

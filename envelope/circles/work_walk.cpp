@@ -1,6 +1,13 @@
-// WorkDiagram where forms are inserted in the order of K, the coefficient of |p|^2, least first: then a form
-// is found by walking.
-//
+#include "work_walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "../../core/small_vector.hpp"
+
+namespace vcell {
+
 // Let c have no less K than the forms f of the diagram. Each difference c - f is convex then, and so is the
 // greatest of them, c less the lower envelope. What c wins and where it ties, together, is a convex set of
 // the polygon, hence connected: all faces that it meets are reached from any of its points across edges on
@@ -12,19 +19,11 @@
 //
 // a quadratic function, which at the end of a way down is as good as constant if the weights are those of its
 // gradients' combination of least length. Where neither is so all faces are looked at.
-#include <algorithm>
-#include <cmath>
-#include <span>
-
-#include "../../core/small_vector.hpp"
-#include "work_diagram.hpp"
-
-namespace vcell {
 
 namespace {
 
 // A face that so many parts have been taken from gets a new box: the old one is larger, and does for a time.
-constexpr WorkDiagram::Index most_cuts = 3;
+constexpr WorkMesh::Index most_cuts = 3;
 // Where one form in so many is sought in all faces, their boxes are kept up.
 constexpr std::size_t walks_of_scan = 16;
 // More holes of a face are better in several pieces.
@@ -32,12 +31,18 @@ constexpr std::size_t most_holes = 16;
 
 }  // namespace
 
-WorkDiagram::Index WorkDiagram::insert_most_curved(FormId challenger, Index from) {
+void WorkWalk::clear() {
+    WorkFaces::clear();
+    scans_ = 0;
+    is_holey_ = false;
+}
+
+WorkWalk::Index WorkWalk::insert_most_curved(FormId challenger, Index from) {
     duels_.clear();
     inserts_greater_ = false;
     bites_.clear();
     if (++walks_ > walks_of_scan * scans_) are_boxes_current_ = false;
-    ++stamp_;
+    begin();
     Index end = walk(challenger, from);
     if (vertices_[end].sign != Sign::Positive) {
         if (cut_in(challenger, end)) return half_edges_[2 * new_edges_.front()].origin;
@@ -61,7 +66,7 @@ WorkDiagram::Index WorkDiagram::insert_most_curved(FormId challenger, Index from
 
 // Goes downhill, in doubles, from vertex to vertex along edges, across faces where no edge leads down, until
 // challenger - defender is not positive or nothing around is less.
-WorkDiagram::Index WorkDiagram::walk(FormId challenger, Index from) {
+WorkWalk::Index WorkWalk::walk(FormId challenger, Index from) {
     const KernelForm form = kernel_.form(challenger);
     const auto difference = [&](Index v) {
         const Vertex& at = vertices_[v];
@@ -99,7 +104,7 @@ WorkDiagram::Index WorkDiagram::walk(FormId challenger, Index from) {
 }
 
 // Pre: the challenger wins or ties at v.
-void WorkDiagram::challenge_from(FormId challenger, Index v) {
+void WorkWalk::challenge_from(FormId challenger, Index v) {
     const KernelForm form = kernel_.form(challenger);
     const auto add = [&](Index face) {
         Face& f = faces_[face];
@@ -119,7 +124,7 @@ void WorkDiagram::challenge_from(FormId challenger, Index v) {
 // Takes a disc out of the faces around v, each of which has one part left or none: the common case, in which
 // the challenger ties with no vertex. What lies outside the polygon has a part taken wherever the challenger
 // comes to the rim, which goes on there along the polygon's sides. In other cases nothing is changed.
-bool WorkDiagram::cut_in(FormId challenger, Index v) {
+bool WorkWalk::cut_in(FormId challenger, Index v) {
     bites_.clear();
     const bool is_common = find_bites(challenger, v);
     for (const Bite& b : bites_) faces_[b.face].challenged = false;
@@ -131,63 +136,13 @@ bool WorkDiagram::cut_in(FormId challenger, Index v) {
         const FormId site = b.face == outside ? half_edges_[twin(b.leaving)].label : faces_[b.face].site;
         edges_[e].cut = add_vertex(change_of_sign(e, {challenger, site}, vertices_[to].sign).point, site);
     }
-    for (const Bite& b : bites_) {
-        const Index last = b.leaving == none ? faces_[b.face].outer : b.returning;
-        Index h = b.leaving == none ? last : next(b.leaving);
-        const auto take_vertex = [&](Index w) {
-            if (!vertices_[w].alive || vertices_[w].is_corner) return;
-            remove_vertex(w);
-            --live_vertices_;
-        };
-        take_vertex(half_edges_[last].origin);
-        for (bool is_first = b.leaving == none; is_first || h != last; h = next(h), is_first = false) {
-            take_vertex(half_edges_[h].origin);
-            if (!edges_[h >> 1].alive) continue;
-            edges_[h >> 1].alive = false;
-            free_edges_.push_back(h >> 1);
-            --live_edges_;
-        }
-        if (b.leaving != none) continue;
-        faces_[b.face].alive = false;
-        if (are_boxes_current_) boxes_.remove(b.face);
-        free_faces_.push_back(b.face);
-        --live_cycles_;
-    }
+    for (const Bite& b : bites_) take_out(b);
 
     const Index own = add_face(challenger);
     ++live_cycles_;
     new_edges_.clear();
-    for (const Bite& b : bites_) {
-        if (b.leaving == none) continue;
-        const bool is_rim = b.face == outside;
-        const FormId site = is_rim ? FormId() : faces_[b.face].site;
-        const Index start = edges_[b.returning >> 1].cut, end = edges_[b.leaving >> 1].cut;
-        FormPair curve = is_rim ? edges_[b.leaving >> 1].curve : FormPair{challenger, site};
-        Index last = b.leaving, reached = end;
-        const auto add_side = [&](Index from) {
-            const Index e = add_edge(curve, from, reached, is_rim);
-            half_edges_[2 * e].label = challenger;
-            half_edges_[2 * e].face = own;
-            half_edges_[2 * e + 1].label = site;
-            half_edges_[2 * e + 1].face = b.face;
-            link(last, 2 * e + 1);
-            vertices_[from].out = 2 * e;
-            new_edges_.push_back(e);
-            last = 2 * e + 1;
-            reached = from;
-        };
-        half_edges_[twin(b.leaving)].origin = end;
-        half_edges_[b.returning].origin = start;
-        for (const Corner& c : std::span(corners_).subspan(b.first_corner, b.corners)) {
-            vertices_[c.vertex].ties = none;
-            set_height(vertices_[c.vertex], challenger);
-            add_side(c.vertex);
-            curve = c.after;
-        }
-        add_side(start);
-        link(last, b.returning);
-        (is_rim ? faces_[outside].inner.front() : faces_[b.face].outer) = last;
-    }
+    for (const Bite& b : bites_)
+        if (b.leaving != none) add_sides(b, challenger, own);
     for (const Index e : new_edges_) link(2 * e, vertices_[half_edges_[2 * e + 1].origin].out);
     faces_[own].outer = 2 * new_edges_.front();
     for (const Index e : new_edges_) set_bounds(e);
@@ -203,12 +158,64 @@ bool WorkDiagram::cut_in(FormId challenger, Index v) {
     for (const Bite& b : bites_)
         if (b.leaving != none && b.face != outside && ++faces_[b.face].cuts == most_cuts) renew_box(b.face);
     renew_box(own);
-    require_soundness();
+    require_soundness(walks_);
     return true;
 }
 
+// Takes out the part of a face's boundary that goes, and the face with it where all of it goes.
+void WorkWalk::take_out(const Bite& b) {
+    const Index last = b.leaving == none ? faces_[b.face].outer : b.returning;
+    Index h = b.leaving == none ? last : next(b.leaving);
+    const auto take_vertex = [&](Index w) {
+        if (!vertices_[w].alive || vertices_[w].is_corner) return;
+        remove_vertex(w);
+        --live_vertices_;
+    };
+    take_vertex(half_edges_[last].origin);
+    for (bool is_first = b.leaving == none; is_first || h != last; h = next(h), is_first = false) {
+        take_vertex(half_edges_[h].origin);
+        if (!edges_[h >> 1].alive) continue;
+        remove_edge(h >> 1);
+    }
+    if (b.leaving != none) return;
+    remove_face(b.face);
+    --live_cycles_;
+}
+
+// Adds the part of a face's boundary along the challenger's own face.
+void WorkWalk::add_sides(const Bite& b, FormId challenger, Index own) {
+    const bool is_rim = b.face == outside;
+    const FormId site = is_rim ? FormId() : faces_[b.face].site;
+    const Index start = edges_[b.returning >> 1].cut, end = edges_[b.leaving >> 1].cut;
+    FormPair curve = is_rim ? edges_[b.leaving >> 1].curve : FormPair{challenger, site};
+    Index last = b.leaving, reached = end;
+    const auto add_side = [&](Index from) {
+        const Index e = add_edge(curve, from, reached, is_rim);
+        half_edges_[2 * e].label = challenger;
+        half_edges_[2 * e].face = own;
+        half_edges_[2 * e + 1].label = site;
+        half_edges_[2 * e + 1].face = b.face;
+        link(last, 2 * e + 1);
+        vertices_[from].out = 2 * e;
+        new_edges_.push_back(e);
+        last = 2 * e + 1;
+        reached = from;
+    };
+    half_edges_[twin(b.leaving)].origin = end;
+    half_edges_[b.returning].origin = start;
+    for (const Corner& c : std::span(corners_).subspan(b.first_corner, b.corners)) {
+        vertices_[c.vertex].ties = none;
+        set_height(vertices_[c.vertex], challenger);
+        add_side(c.vertex);
+        curve = c.after;
+    }
+    add_side(start);
+    link(last, b.returning);
+    (is_rim ? faces_[outside].inner.front() : faces_[b.face].outer) = last;
+}
+
 // Finds the faces where the challenger wins; false where that is no common case.
-bool WorkDiagram::find_bites(FormId challenger, Index v) {
+bool WorkWalk::find_bites(FormId challenger, Index v) {
     const KernelForm& form = kernel_.form(challenger);
     const auto add = [&](Index face) {
         Face& f = faces_[face];
@@ -285,13 +292,13 @@ bool WorkDiagram::find_bites(FormId challenger, Index v) {
 }
 
 // Is a challenger that is higher at v than the diagram proved to be so everywhere?
-bool WorkDiagram::is_above_diagram(FormId challenger, Index v) const {
+bool WorkWalk::is_above_diagram(FormId challenger, Index v) const {
     constexpr std::size_t most_terms = 8;
     struct Term {
         FormJet jet;
         bool is_form;  // otherwise -L of a side of the polygon
     };
-    const auto [x, y] = std::array{at(v).x, at(v).y};
+    const double x = vertices_[v].x, y = vertices_[v].y;
     const FormJet c = kernel_.form(challenger).jet(x, y);
     const auto less = [&](const FormJet& f, FormId g) { return f - kernel_.form(g).jet(x, y); };
     SmallVector<Term, most_terms> terms;

@@ -18,7 +18,6 @@ folders = ["apps", "arrangement", "bench", "core", "envelope", "examples", "io",
 
 # What is larger still. What is divided one day is struck off.
 larger = {
-    "envelope/circles: WorkDiagram",
     "envelope/proofs: MixedAnalysis",
 }
 

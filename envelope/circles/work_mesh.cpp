@@ -1,20 +1,14 @@
-#include "work_diagram.hpp"
+#include "work_mesh.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cfloat>
-#include <cmath>
-#include <limits>
 #include <string>
-#include <utility>
 
 #include "../../core/errors.hpp"
+#include "../diagram/minimization_diagram.hpp"
 
 namespace vcell {
 
-// --- Elements ----------------------------------------------------------------------------------------
-
-WorkDiagram::Index WorkDiagram::add_vertex(PointId p, FormId lowest) {
+WorkMesh::Index WorkMesh::add_vertex(PointId p, FormId lowest) {
     Index v;
     if (free_vertices_.empty()) {
         v = static_cast<Index>(vertices_.size());
@@ -35,13 +29,13 @@ WorkDiagram::Index WorkDiagram::add_vertex(PointId p, FormId lowest) {
     return v;
 }
 
-void WorkDiagram::set_height(Vertex& v, FormId lowest) const {
+void WorkMesh::set_height(Vertex& v, FormId lowest) const {
     const auto [height, error] = kernel_.height(lowest, v.point);
     v.height = height;
     v.height_error = error;
 }
 
-WorkDiagram::Index WorkDiagram::add_edge(FormPair curve, Index from, Index to, bool rim) {
+WorkMesh::Index WorkMesh::add_edge(FormPair curve, Index from, Index to, bool rim) {
     Index e;
     if (free_edges_.empty()) {
         e = static_cast<Index>(edges_.size());
@@ -60,7 +54,7 @@ WorkDiagram::Index WorkDiagram::add_edge(FormPair curve, Index from, Index to, b
     return e;
 }
 
-WorkDiagram::Index WorkDiagram::add_face(FormId site) {
+WorkMesh::Index WorkMesh::add_face(FormId site) {
     Index f;
     if (free_faces_.empty()) {
         f = static_cast<Index>(faces_.size());
@@ -81,7 +75,7 @@ WorkDiagram::Index WorkDiagram::add_face(FormId site) {
     return f;
 }
 
-void WorkDiagram::set_bounds(Index e) {
+void WorkMesh::set_bounds(Index e) {
     const Index from = half_edges_[2 * e].origin, to = half_edges_[2 * e + 1].origin;
     if (from == none)
         edges_[e].bounds = {kernel_.circle_box(edges_[e].curve), infinity, infinity};
@@ -90,36 +84,9 @@ void WorkDiagram::set_bounds(Index e) {
     edges_[e].is_shorter = false;
 }
 
-// Takes the edge out of the rotations at its ends; a vertex that keeps no edge goes with it.
-void WorkDiagram::kill_edge(Index e) {
-    const Index h = 2 * e, t = h + 1;
-    if (half_edges_[h].origin == none) {
-        --live_vertices_;
-    } else {
-        for (const Index g : {h, t}) {
-            const Index v = half_edges_[g].origin, after = detach(g);
-            if (after == none && merging_ && vertices_[v].ties != none &&
-                ties_[vertices_[v].ties].size() > 1) {
-                // An isolated point of one diagram that lay on an edge of the other.
-                vertices_[v].out = none;
-                isolated_.push_back(v);
-                --live_vertices_;
-            } else if (after == none) {
-                remove_vertex(v);
-                --live_vertices_;
-            } else {
-                vertices_[v].out = after;
-            }
-        }
-    }
-    edges_[e].alive = false;
-    free_edges_.push_back(e);
-    --live_edges_;
-}
-
 // e keeps the part before p, the new edge takes the part after it. A closed edge becomes a loop at p and
 // no edge is added. Returns the vertex.
-WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p, FormId lowest) {
+WorkMesh::Index WorkMesh::split_edge(Index e, PointId p, FormId lowest) {
     const Index v = add_vertex(p, lowest);
     if (half_edges_[2 * e].origin == none) {
         --live_vertices_;  // the closed edge's own
@@ -138,25 +105,35 @@ WorkDiagram::Index WorkDiagram::split_edge(Index e, PointId p, FormId lowest) {
     return v;
 }
 
-void WorkDiagram::remove_vertex(Index v) {
+void WorkMesh::remove_vertex(Index v) {
     vertices_[v].alive = false;
     free_vertices_.push_back(v);
 }
 
+void WorkMesh::remove_edge(Index e) {
+    edges_[e].alive = false;
+    free_edges_.push_back(e);
+    --live_edges_;
+}
+
+void WorkMesh::remove_face(Index f) {
+    faces_[f].alive = false;
+    if (are_boxes_current_) boxes_.remove(f);
+    free_faces_.push_back(f);
+}
+
 // Lets h run on over its successor, and drops the vertex between them.
-void WorkDiagram::join_with_next(Index h) {
+void WorkMesh::join_with_next(Index h) {
     const Index n = next(h), v = half_edges_[n].origin, end = target(n);
     join(h);
     if (vertices_[end].out == twin(n)) vertices_[end].out = twin(h);
     remove_vertex(v);
     --live_vertices_;
-    edges_[n >> 1].alive = false;
-    free_edges_.push_back(n >> 1);
-    --live_edges_;
+    remove_edge(n >> 1);
     set_bounds(h >> 1);
 }
 
-void WorkDiagram::add_ties(Index& list, std::initializer_list<FormId> present, FormId tied) {
+void WorkMesh::add_ties(Index& list, std::initializer_list<FormId> present, FormId tied) {
     if (list == none) {
         list = static_cast<Index>(ties_.size());
         ties_.emplace_back();
@@ -167,32 +144,27 @@ void WorkDiagram::add_ties(Index& list, std::initializer_list<FormId> present, F
     if (std::ranges::find(forms, tied) == forms.end()) forms.push_back(tied);
 }
 
-WorkDiagram::Index WorkDiagram::copy_ties(Index list) {
+WorkMesh::Index WorkMesh::copy_ties(Index list) {
     if (list == none) return none;
     ties_.push_back(std::vector<FormId>(ties_[list]));
     return static_cast<Index>(ties_.size() - 1);
 }
 
-void WorkDiagram::clear() {
+void WorkMesh::clear() {
     vertices_.clear();
     half_edges_.clear();
     edges_.clear();
     faces_.clear();
     boxes_.clear();
     are_boxes_current_ = true;
-    visits_ = walks_ = scans_ = 0;
-    is_holey_ = false;
     ties_.clear();
     free_vertices_.clear();
     free_edges_.clear();
     free_faces_.clear();
     live_vertices_ = live_edges_ = live_cycles_ = 0;
-    stamp_ = 0;
-    merging_ = false;
 }
 
-void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
-    clear();
+void WorkMesh::start(std::span<const FormId> lines, FormId site) {
     live_cycles_ = 2;
     const auto n = static_cast<Index>(lines.size());
     const auto side = [&](Index i) { return FormPair{CircleKernel::zero_form(), lines[i % n]}; };
@@ -225,10 +197,10 @@ void WorkDiagram::start(std::span<const FormId> lines, FormId site) {
 }
 
 // In builds with asserts: of what every change leaves, where many forms are inserted of some.
-void WorkDiagram::require_soundness() const {
+void WorkMesh::require_soundness([[maybe_unused]] std::size_t changes) const {
 #ifndef NDEBUG
     constexpr std::size_t few = 64;
-    if (walks_ > few && !std::has_single_bit(walks_)) return;
+    if (changes > few && !std::has_single_bit(changes)) return;
     if (const auto defect = find_defect([&](Index e) { return edges_[e].alive; }))
         throw InternalError("a diagram of circular forms: " + *defect);
     for (Index h = 0; h < half_edges_.size(); ++h)
@@ -239,14 +211,14 @@ void WorkDiagram::require_soundness() const {
 }
 
 // Pre: the boundary of the face is complete.
-void WorkDiagram::set_box(Index face) {
+void WorkMesh::set_box(Index face) {
     if (!are_boxes_current_) return;
     const Face& f = faces_[face];
     const auto [x, y, rx, ry] = box_middle(f.box);
     boxes_.set(face, kernel_.form(f.site), x, y, rx, ry);
 }
 
-void WorkDiagram::renew_boxes() {
+void WorkMesh::renew_boxes() {
     are_boxes_current_ = true;
     boxes_.clear();
     for (Index f = 0; f < faces_.size(); ++f) {
@@ -256,94 +228,11 @@ void WorkDiagram::renew_boxes() {
 }
 
 // FaceBoxes has this bound, too, of faces whose boxes are there.
-double WorkDiagram::slope_bound(Index face, const KernelForm& form) const {
+double WorkMesh::slope_bound(Index face, const KernelForm& form) const {
     const Face& f = faces_[face];
     const KernelForm& site = kernel_.form(f.site);
     const auto [x, y, rx, ry] = box_middle(f.box);
     return FaceBoxes::slope_bound(form, site, site.over_box(x, y, rx, ry), x, y, rx, ry);
-}
-
-// --- One merge -----------------------------------------------------------------------------------------
-
-void WorkDiagram::insert(FormId challenger) {
-    duels_.clear();
-    const KernelForm form = kernel_.form(challenger);
-    inserts_greater_ = is_floor(challenger);
-    if (!are_boxes_current_) renew_boxes();
-    const auto add = [&](Index f) {
-        duels_.push_back({f, challenger, boxes_.slope_bound(f, form, kernel_.form(faces_[f].site))});
-    };
-    if (inserts_greater_) {
-        for (Index f = 1; f < faces_.size(); ++f)
-            if (faces_[f].alive) add(f);
-    } else {
-        boxes_.challenge(form, add);
-    }
-    if (!duels_.empty()) resolve();
-    inserts_greater_ = false;
-}
-
-// Signs are those of challenger - defender: negative where the challenger wins. First every boundary is
-// cut where the sign changes; then arcs are inserted face by face; then labels decide which edges stay.
-void WorkDiagram::resolve() {
-    ++stamp_;
-    reached_.clear();
-    for (Duel& d : duels_) decide_boundary(d);
-    divide_faces();
-}
-
-// Pre: the duels' boundaries are decided.
-void WorkDiagram::divide_faces() {
-    touched_.clear();
-    isolated_.clear();
-    if (merging_) unite_ties();
-    const long components_before = component_count();
-    bool plain = true;  // no changed face has holes or isolated vertices
-    for (Duel& d : duels_) {
-        divide_face(d);
-        if (!d.changed) continue;
-        const Face& f = faces_[d.face];
-        live_cycles_ -= 1 + static_cast<long>(f.inner.size());
-        plain = plain && f.inner.empty() && f.isolated.empty();
-    }
-    if (touched_.empty()) return;
-    remove_inner_edges();
-
-    for (const Duel& d : duels_) {
-        if (!d.changed) continue;
-        Face& f = faces_[d.face];
-        for (const Index v : f.isolated) {
-            Vertex& vertex = vertices_[v];
-            const bool stays = merging_ ? vertex.ties != none && ties_[vertex.ties].size() > 1
-                                        : vertex.stamp != stamp_ || vertex.sign != Sign::Negative;
-            if (stays) {
-                isolated_.push_back(v);
-            } else {
-                remove_vertex(v);
-            }
-        }
-        f.alive = false;
-        if (are_boxes_current_) boxes_.remove(d.face);
-        f.isolated.clear();
-        free_faces_.push_back(d.face);
-    }
-    rebuild_faces();
-    const long components = component_count();
-    if (isolated_.empty() && (components == 1 || (plain && components == components_before))) {
-        for (const Index c : cycles_) {
-            const Index f = add_face(half_edges_[c].label);
-            Face& face = faces_[f];
-            face.outer = c;
-            for_cycle(c, [&](Index h) {
-                half_edges_[h].face = f;
-                grow(face.box, edges_[h >> 1].bounds.box);
-            });
-            set_box(f);
-        }
-    } else {
-        nest_cycles();
-    }
-    require_soundness();
 }
 
 }  // namespace vcell
