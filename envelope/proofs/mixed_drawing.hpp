@@ -11,16 +11,19 @@ namespace vcell {
 
 using Eigen::Vector2d;
 
+// Does a place that is known up to errors lie in the piece?
+enum class Inside { No, Yes, Unknown };
+
 // A change of label, where a trisector leaves the rim: inward `before` lies on its left.
-struct MixedAnalysis::Change {
+struct RimChange {
     std::uint32_t vertex;
     FormId before, after;
 };
 
-struct MixedAnalysis::Drawing {
+struct PieceDrawing {
     const PieceBoundary& boundary;
     MixedPiece piece{};
-    SmallVector<Change, 8> changes{};
+    SmallVector<RimChange, 8> changes{};
     std::vector<std::uint32_t> knots{};  // vertices of the rim in which more forms meet than change there
 
     Vector2d middle() const {
@@ -59,7 +62,7 @@ struct MixedAnalysis::Drawing {
     // Right-hand of the chord between the places where two forms, and no others, change on the rim.
     std::optional<Vector2d> across_ends(FormId left, FormId right) const {
         std::optional<Vector2d> start, end;
-        for (const Change& c : changes) {
+        for (const RimChange& c : changes) {
             const bool starts = c.before == left && c.after == right;
             if (!starts && !(c.before == right && c.after == left)) continue;
             std::optional<Vector2d>& p = starts ? start : end;
@@ -75,11 +78,11 @@ struct MixedAnalysis::Drawing {
                changes[0].after == changes[1].before;
     }
     // The changes counter-clockwise from a vertex of the rim on, without its own.
-    SmallVector<Change, 8> changes_after(std::uint32_t v) const {
-        SmallVector<Change, 8> all;
-        for (const Change& c : changes)
+    SmallVector<RimChange, 8> changes_after(std::uint32_t v) const {
+        SmallVector<RimChange, 8> all;
+        for (const RimChange& c : changes)
             if (c.vertex > v) all.push_back(c);
-        for (const Change& c : changes)
+        for (const RimChange& c : changes)
             if (c.vertex < v) all.push_back(c);
         return all;
     }

@@ -1,5 +1,4 @@
-// What decisions in a piece and along its sides have in common (mixed_piece.cpp, mixed_side.cpp,
-// side_crossings.cpp).
+// What decisions in a piece and along its sides have in common.
 #pragma once
 
 #include <algorithm>

@@ -1,45 +1,24 @@
-// What deciding one piece works on: the piece as it is drawn, and its rivals (mixed_piece.cpp,
-// mixed_vertex.cpp, mixed_tie.cpp).
+// What deciding one piece works on: the piece as it is drawn, and its rivals.
 #pragma once
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "box_rivals.hpp"
 #include "height_difference.hpp"
 #include "mixed_drawing.hpp"
 #include "touching.hpp"
 
 namespace vcell {
 
-// Pieces with more rivals are rarely plain, and their parts take longer than halves of them.
-inline constexpr std::size_t most_divided = 4;
-
 // Below this exponent a third form lowest by less between two others counts as touching their trisector.
 inline constexpr int narrow_exponent = -40;
 // Below this one more than three forms, of which some touch, count as meeting in one point.
 inline constexpr int noise_exponent = -46;
 
-// A vertex of the rim in which more forms meet than change there, and those that are lowest around it inside
-// the piece, counter-clockwise from the label of the side that leaves to that of the one that arrives.
-struct MixedAnalysis::Knot {
-    std::uint32_t vertex;
-    std::vector<FormId> ties, around;
-};
-
-// A point in which all rivals tie.
-struct MixedAnalysis::Apex {
-    Vector2d point;
-    double error;
-    std::optional<std::uint32_t> rim;  // the vertex of the rim that it is
-    std::vector<std::vector<TiedDifference>> differences;
-    std::vector<TiedBetween> between;
-    double noise;  // nearer than this they tie only up to noise
-    bool decided;  // that all tie: by exact arithmetic, or when the rim was labelled
-};
-
 // How rivals compare all over the piece: what is known of them lasts until some are left out.
-struct MixedAnalysis::Work : Drawing {
+struct PieceWork : PieceDrawing {
     const NormalBox* normals;  // these two are null unless rivals compare by supports
     const SphereSupports* supports;
     const Heights& heights;
@@ -182,7 +161,7 @@ struct MixedAnalysis::Work : Drawing {
     }
     // Does a - b seem to fall where the two change on the rim? A cheap no to what would have to be proved.
     bool falls_on_rim(FormId a, FormId b, const Vector2d& direction) const {
-        return std::ranges::any_of(changes, [&](const Change& c) {
+        return std::ranges::any_of(changes, [&](const RimChange& c) {
             if (!(c.before == a && c.after == b) && !(c.before == b && c.after == a)) return false;
             const PointNormal n(piece.vertices[c.vertex].point.x(), piece.vertices[c.vertex].point.y());
             const auto f = supports->jet(a, n), g = supports->jet(b, n);
@@ -313,7 +292,7 @@ struct MixedAnalysis::Work : Drawing {
         return static_cast<std::uint32_t>(2 * (piece.arcs.size() - 1));
     }
     // Between two places on the rim.
-    void join(const Change& from, const Change& to) {
+    void join(const RimChange& from, const RimChange& to) {
         const std::uint32_t h = add_arc(from.vertex, to.vertex, from.before, from.after);
         piece.leaving[from.vertex].push_back(h);
         piece.leaving[to.vertex].push_back(h + 1);
@@ -326,14 +305,14 @@ struct MixedAnalysis::Work : Drawing {
     }
     // From all other changes to a vertex of the rim.
     void join_all_on_rim(std::uint32_t v) {
-        for (const Change& c : changes_after(v)) join(c, {v, c.after, c.before});
+        for (const RimChange& c : changes_after(v)) join(c, {v, c.after, c.before});
     }
     // From every change to one inner vertex.
     void join_all_to(const MixedPiece::Vertex& center) {
         const auto v = static_cast<std::uint32_t>(piece.vertices.size());
         piece.vertices.push_back(center);
         piece.leaving.emplace_back();
-        for (const Change& c : changes) {
+        for (const RimChange& c : changes) {
             const std::uint32_t h = add_arc(c.vertex, v, c.before, c.after);
             piece.leaving[c.vertex].push_back(h);
             piece.leaving[v].push_back(h + 1);

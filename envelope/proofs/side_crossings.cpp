@@ -1,12 +1,11 @@
-// MixedAnalysis where forms change along a side closer than stretches of it can be told apart: the order of
-// their crossings, and the one point in which all of them tie.
+#include "side_crossings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include "../../core/solver/newton/newton.hpp"
 #include "mixed_terms.hpp"
-#include "side_line.hpp"
 #include "space_tie.hpp"
 
 namespace vcell {
@@ -15,9 +14,9 @@ namespace vcell {
 // most, from where it comes below the one before: the first one to do so is next. All of it with many digits,
 // as the forms may follow each other closer than stretches can be told apart. None if slopes do not tell, or
 // doubles not keep the places apart.
-std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const Line& line, double s0,
-                                                                         FormId l0, double s1, FormId l1,
-                                                                         std::span<const FormId> forms) {
+std::optional<std::vector<RimTransition>> SideCrossings::order(const SideLine& line, double s0, FormId l0,
+                                                               double s1, FormId l1,
+                                                               std::span<const FormId> forms) {
     if (!rule_.spares(forms)) return std::nullopt;
     constexpr int most_steps = 20, enough = -200;
     const double m = Interval(s0, s1).mid();
@@ -75,7 +74,7 @@ std::optional<std::vector<RimTransition>> MixedAnalysis::order_crossings(const L
 // One point of a stretch of a side in which all of the forms tie. Any two of them differ by D = D' (s - p)
 // or, where the derivatives agree in p too, D'' (s - p)^2 / 2, D' and D'' somewhere on the stretch: if these
 // keep their signs, so does D on both sides of p.
-std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0, FormId l0, double s1,
+std::optional<RimTransition> SideCrossings::find_tie(const SideLine& line, double s0, FormId l0, double s1,
                                                      FormId l1, std::span<const FormId> forms) {
     if (!rule_.spares(forms)) return std::nullopt;
     const std::size_t n = forms.size();
@@ -125,7 +124,7 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
 
     RimTransition tie{{}, {}, {}, 0, {forms.begin(), forms.end()}};
     const auto wide = line.wide_at(p);
-    auto exact = exact_tie(forms, wide[0], wide[1]);
+    auto exact = points_.exact_tie(forms, wide[0], wide[1]);
     if (exact && !is_on_line(*exact, line.side.a, line.side.b, line.side.c)) exact.reset();
     if (exact) p = enclosure_of<Wide>(line.by_x ? exact->x : exact->y) / enclosure_of<Wide>(exact->w);
     bool decided = exact.has_value();
@@ -165,7 +164,7 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
         if (candidates.empty()) candidates = in_space.tangencies();
         return std::ranges::any_of(candidates, [&](const SpacePoint& x) {
             const auto at = chart_point(family, x);
-            if (!at || !is_met(forms[0], (*at)[0], (*at)[1])) return false;
+            if (!at || !all_.is_met(forms[0], (*at)[0], (*at)[1])) return false;
             const Interval s_at = (*at)[line.by_x ? 0 : 1];
             if (!(s_at.lower() >= s0 && s_at.upper() <= s1)) return false;
             for (std::size_t i = 0; i < n; ++i)
@@ -177,7 +176,8 @@ std::optional<RimTransition> MixedAnalysis::find_tie(const Line& line, double s0
     };
     // One root of two forms with a slope needs no assumption.
     if (!decided && (touching || n > 2) && !is_tie_in_space())
-        assume(tie.point, std::ldexp(extent_, touching ? assumed_exponent / 2 : assumed_exponent), tie.ties);
+        all_.assume(tie.point, std::ldexp(extent_, touching ? assumed_exponent / 2 : assumed_exponent),
+                    tie.ties);
     return tie;
 }
 

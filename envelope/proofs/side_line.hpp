@@ -1,12 +1,15 @@
 /// A side of a piece as a line with one unknown along it, and the heights over it: what the questions about
-/// sides share (mixed_side.cpp, side_crossings.cpp).
+/// sides share.
 #pragma once
 
 #include <array>
 #include <cmath>
 
+#include "../../core/solver/newton/newton.hpp"
 #include "../../core/solver/newton/one_unknown.hpp"
+#include "competition.hpp"
 #include "mixed_piece.hpp"
+#include "mixed_terms.hpp"
 
 namespace vcell {
 
@@ -19,12 +22,12 @@ inline bool axis_parallel(const PieceSide& s) {
 }
 
 // A side as the graph of its second coordinate over its first, s: x, or y where the side is steep.
-struct MixedAnalysis::Line {
+struct SideLine {
     const PieceSide& side;
     bool by_x;
     Interval slope, offset;
 
-    explicit Line(const PieceSide& l) : side(l), by_x(std::abs(l.b) >= std::abs(l.a)) {
+    explicit SideLine(const PieceSide& l) : side(l), by_x(std::abs(l.b) >= std::abs(l.a)) {
         const double p = by_x ? l.a : l.b, q = by_x ? l.b : l.a;
         if (axis_parallel(l)) {
             slope = 0;

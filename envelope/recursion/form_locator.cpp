@@ -20,7 +20,9 @@ constexpr double least_part = 0x1p-40;
 
 FormLocator::FormLocator(const FormFamily& family, std::vector<FormId> forms,
                          const std::array<double, 4>& box)
-    : family_(family), analysis_(family, std::max(box[1] - box[0], box[3] - box[2])) {
+    : family_(family),
+      competition_(family, std::max(box[1] - box[0], box[3] - box[2])),
+      rivals_(competition_) {
     if (family.is_all_circular())
         for (const CircularForm& f : family.forms) circular_.push_back(KernelForm::of(f));
     Node root;
@@ -75,7 +77,7 @@ void FormLocator::halve(std::uint32_t i, bool upright, double at) {
 }
 
 std::vector<FormId> FormLocator::cull(const std::array<double, 4>& box, std::span<const FormId> forms) {
-    if (circular_.empty()) return analysis_.cull(box, forms);
+    if (circular_.empty()) return rivals_.cull(box, forms);
     std::vector<FormId> kept;
     culling_(
         {box[0], box[1], box[2], box[3]}, forms, [&](FormId f) -> const KernelForm& { return circular_[f]; },

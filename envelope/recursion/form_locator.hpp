@@ -15,7 +15,7 @@
 #include "../../core/numbers/sign.hpp"
 #include "../../primitives/forms/form_family.hpp"
 #include "../../primitives/forms/heights.hpp"
-#include "../proofs/mixed_piece.hpp"
+#include "../proofs/box_rivals.hpp"
 #include "competing_forms.hpp"
 
 namespace vcell {
@@ -27,12 +27,13 @@ public:
     /// chart's middle are. The family must outlive the locator.
     /// Only `forms`, ascending and not empty, are looked at: hidden ones of the family own no point.
     FormLocator(const FormFamily& family, std::vector<FormId> forms, const std::array<double, 4>& box);
+    FormLocator(const FormLocator&) = delete;
 
     /// The form that is lowest at a point given in doubles, exact; the first of those that tie. Pre: the
     /// point lies outside the trace of every cylinder.
     FormId lowest(double x, double y);
 
-    const Heights& heights() const { return analysis_.heights(); }
+    const Heights& heights() const { return competition_.heights(); }
     const Decisions& decisions() const { return decisions_; }
 
 private:
@@ -52,7 +53,8 @@ private:
     FormId lowest_of(std::span<const FormId> forms, double x, double y);
 
     const FormFamily& family_;
-    MixedAnalysis analysis_;
+    Competition competition_;
+    BoxRivals rivals_;
     // Where all forms are circular:
     IdVector<FormId, KernelForm> circular_;
     FormCulling culling_;

@@ -22,7 +22,7 @@
 #include "../../core/errors.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
-#include "../proofs/mixed_piece.hpp"
+#include "../proofs/mixed_analysis.hpp"
 #include "../sphere/sphere_diagram.hpp"
 #include "chart_reach.hpp"
 #include "circular_recursion.hpp"
@@ -117,7 +117,7 @@ private:
     }
 
     MinimizationDiagram finish() {
-        MinimizationDiagram result = patchwork_.finish(analysis_.heights());
+        MinimizationDiagram result = patchwork_.finish(analysis_.competition().heights());
         result.region = region_;
         result.floor = options_.floor;
         result.is_below_floor = options_.is_below_floor;
@@ -125,10 +125,10 @@ private:
             if (!edge.on_rim() && result.has_lower_across(edge.left, edge.right))
                 std::swap(edge.left, edge.right);
         result.decisions = circular_.decisions();
-        result.decisions += analysis_.decisions();
+        result.decisions += analysis_.competition().decisions();
         result.work = circular_.effort();
         result.work.pieces = resolved_;
-        result.assumptions = std::move(analysis_.assumptions());
+        result.assumptions = std::move(analysis_.competition().assumptions());
         return result;
     }
 
@@ -143,29 +143,31 @@ private:
 
     LabelledPiece label(const RegionPiece& piece) {
         const Rectangle& r = piece.rect;
-        const std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, with_floor());
+        const std::vector<FormId> candidates =
+            analysis_.rivals().cull({r.x0, r.x1, r.y0, r.y1}, with_floor());
         const std::size_t n = piece.sides.size();
         LabelledPiece out{piece, {}, {}};
         std::vector<FormId> first(n), last(n);
         for (std::size_t i = 0; i < n; ++i) {
             const std::size_t before = (i + n - 1) % n;
-            std::vector<FormId> ties = analysis_.lowest_at(piece.sides[before], piece.sides[i], candidates);
+            std::vector<FormId> ties =
+                analysis_.sides().lowest_at(piece.sides[before], piece.sides[i], candidates);
             first[i] = last[before] = ties.front();
             if (ties.size() == 1) {
                 ties.clear();
             } else {
-                first[i] = analysis_.label_beside(piece.sides[i], piece.corners[i],
-                                                  piece.corners[(i + 1) % n], ties);
-                last[before] = analysis_.label_beside(piece.sides[before], piece.corners[i],
-                                                      piece.corners[before], ties);
+                first[i] = analysis_.sides().label_beside(piece.sides[i], piece.corners[i],
+                                                          piece.corners[(i + 1) % n], ties);
+                last[before] = analysis_.sides().label_beside(piece.sides[before], piece.corners[i],
+                                                              piece.corners[before], ties);
             }
             out.corner_ties.push_back(std::move(ties));
         }
         for (std::size_t i = 0; i < n; ++i) {
-            auto labels =
-                analysis_.label_side(piece.sides[i], piece.corners[i], piece.corners[(i + 1) % n], first[i],
-                                     last[i], candidates, Patchwork::is_seam(piece.sides[i].id));
-            if (!labels) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
+            auto labels = analysis_.sides().label_side(piece.sides[i], piece.corners[i],
+                                                       piece.corners[(i + 1) % n], first[i], last[i],
+                                                       candidates, Patchwork::is_seam(piece.sides[i].id));
+            if (!labels) throw TieError(analysis_.sides().obstacle().value_or(all_of(r, candidates)));
             out.labels.push_back(*std::move(labels));
         }
         return out;
@@ -174,17 +176,17 @@ private:
     Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited,
                                     double share) {
         const Rectangle& r = part.piece.rect;
-        std::vector<FormId> candidates = analysis_.cull({r.x0, r.x1, r.y0, r.y1}, inherited);
+        std::vector<FormId> candidates = analysis_.rivals().cull({r.x0, r.x1, r.y0, r.y1}, inherited);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
             // Of the floor alone there is nothing to merge: it stays one of the pieces that follow.
             if (const std::vector<FormId> others = without_floor(candidates); !others.empty())
                 return circular_.solve(part.piece, others, share);
-        const double size = extent(r) / analysis_.extent_at({r.x0, r.x1}, {r.y0, r.y1});
-        const bool at_floor = size <= MixedAnalysis::floor_width,
+        const double size = extent(r) / analysis_.competition().extent_at({r.x0, r.x1}, {r.y0, r.y1});
+        const bool at_floor = size <= floor_width,
                    is_small = extent(r) <=
-                              MixedAnalysis::tie_width * analysis_.tie_extent_at({r.x0, r.x1}, {r.y0, r.y1});
+                              tie_width * analysis_.competition().tie_extent_at({r.x0, r.x1}, {r.y0, r.y1});
         if (candidates.size() <= most_competitors_ || (is_small && candidates.size() <= most_tied) ||
-            size <= MixedAnalysis::node_width) {
+            size <= node_width) {
             if (const auto resolved = analysis_.resolve(
                     {part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
                 progress_.add(share);
@@ -199,13 +201,13 @@ private:
             ++small_pieces_;
             ++small_pieces_in_place_;
         }
-        splits_ += analysis_.heights().cost();
-        if (at_floor || splits_ > most_splits + splits_of_form * family_.size() || analysis_.is_spent() ||
-            small_pieces_ > small_pieces_of_form * family_.size() ||
+        splits_ += analysis_.competition().heights().cost();
+        if (at_floor || splits_ > most_splits + splits_of_form * family_.size() ||
+            analysis_.sides().is_spent() || small_pieces_ > small_pieces_of_form * family_.size() ||
             small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
         const auto halves = split_labelled(part, candidates);
-        if (!halves) throw TieError(analysis_.obstacle().value_or(all_of(r, candidates)));
+        if (!halves) throw TieError(analysis_.sides().obstacle().value_or(all_of(r, candidates)));
         const Patchwork::Index a = solve_labelled(halves->first, candidates, 0.5 * share);
         const Patchwork::Index b = solve_labelled(halves->second, candidates, 0.5 * share);
         return patchwork_.glue(a, b, halves->seam);
@@ -230,8 +232,9 @@ private:
         // No one metric suits tubes that are all but parallel to the base.
         constexpr double strip_part = 0x1p-4;
         if (family_.chart.is_cylinder() && extent(r) < strip_part * extent(root_.rect))
-            if (const auto upright = analysis_.asks_for_strips({r.x0, r.x1, r.y0, r.y1})) return upright;
-        const auto steepness = analysis_.steepness_across(r.x1 - r.x0, r.y1 - r.y0);
+            if (const auto upright = analysis_.rivals().asks_for_strips({r.x0, r.x1, r.y0, r.y1}))
+                return upright;
+        const auto steepness = analysis_.rivals().steepness_across(r.x1 - r.x0, r.y1 - r.y0);
         if (!steepness) return std::nullopt;
         if (family_.tips.any()) return *steepness >= 1;
         const double x = r.x1 - r.x0, y = r.y1 - r.y0;
@@ -253,9 +256,9 @@ private:
             const std::uint32_t seam = patchwork_.new_seam();
             first.piece.sides[in_first].id = second.piece.sides[in_second].id = seam;
             auto labels =
-                analysis_.label_side(first.piece.sides[in_first], first.piece.corners[in_first],
-                                     first.piece.corners[(in_first + 1) % first.piece.corners.size()],
-                                     at_leaving, at_returning, candidates, true);
+                analysis_.sides().label_side(first.piece.sides[in_first], first.piece.corners[in_first],
+                                             first.piece.corners[(in_first + 1) % first.piece.corners.size()],
+                                             at_leaving, at_returning, candidates, true);
             if (!labels) continue;
             second.labels[in_second] = labels->reversed();
             first.labels[in_first] = *std::move(labels);

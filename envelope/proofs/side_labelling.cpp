@@ -1,11 +1,10 @@
-// MixedAnalysis along the sides of pieces, where everything is one-dimensional.
+#include "side_labelling.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "../../core/errors.hpp"
-#include "../../core/solver/newton/newton.hpp"
 #include "mixed_terms.hpp"
-#include "side_line.hpp"
 
 namespace vcell {
 
@@ -60,32 +59,12 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const Rational
 
 }  // namespace
 
-// In doubles, over a sphere.
-std::optional<FormId> MixedAnalysis::certainly_lowest(const IntervalPoint& p,
-                                                      std::span<const FormId> candidates) const {
-    if (!supports_ || !is_point(p[0]) || !is_point(p[1])) return std::nullopt;
-    const PointNormal n(p[0].mid(), p[1].mid());
-    FormId lowest;
-    double top = infinity, next = infinity;  // of the lowest one; the bottom of all others
-    for (const FormId f : candidates) {
-        const double v = supports_->value(f, n), r = supports_->value_error(f, n);
-        if (v < top) {
-            next = std::min(next, lowest.valid() ? top - 2 * supports_->value_error(lowest, n) : infinity);
-            top = v + r;
-            lowest = f;
-        } else {
-            next = std::min(next, v - r);
-        }
-    }
-    return top < next ? std::optional(lowest) : std::nullopt;
-}
-
 template <class Exactly>
-MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
+SideLabelling::Lowest SideLabelling::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
                                                Exactly&& exactly) {
-    const std::vector<FormId> open = not_hidden(candidates, p[1]);
+    const std::vector<FormId> open = all_.not_hidden(candidates, p[1]);
     if (!heights_.family().hidden.empty()) candidates = open;
-    if (const auto f = certainly_lowest(p, candidates)) {
+    if (const auto f = all_.certainly_lowest(p, candidates)) {
         ++decisions_.by_double;
         return {*f};
     }
@@ -109,7 +88,7 @@ MixedAnalysis::Lowest MixedAnalysis::lowest_at(const IntervalPoint& p, std::span
     return {lowest.begin(), lowest.end()};
 }
 
-std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide& t,
+std::vector<FormId> SideLabelling::lowest_at(const PieceSide& s, const PieceSide& t,
                                              std::span<const FormId> candidates) {
     const Lowest lowest = lowest_at(corner_of(s, t), candidates, [&] {
         const auto [x, y, w] = crossing<Exact>(s, t);
@@ -118,133 +97,39 @@ std::vector<FormId> MixedAnalysis::lowest_at(const PieceSide& s, const PieceSide
     return {lowest.begin(), lowest.end()};
 }
 
-MixedAnalysis::Lowest MixedAnalysis::lowest_at(const Line& line, double s,
+SideLabelling::Lowest SideLabelling::lowest_at(const SideLine& line, double s,
                                                std::span<const FormId> candidates) {
     return lowest_at(line.at(Interval(s)), candidates, [&] { return line.exact_at(s); });
 }
 
-// A root along a side is found this much more finely, at least, than the stretch in which it is known to lie.
-constexpr double root_width = 0x1p-12;
-// How much steeper than the least slope a difference may be at its root, so that a guess is as good as a
-// Newton step.
-constexpr double most_steepening = 8;
-constexpr int most_newton_steps = 30;
-
-// The root of before - after, which is negative at s0 and positive at s1: Newton's method with bisection, in
-// doubles.
-MixedAnalysis::Guess MixedAnalysis::approximate_root(const Line& line, double s0, double s1, FormId before,
-                                                     FormId after) const {
-    const double side_slope = line.slope.mid();
-    const bool are_twins = heights_.are_twins(before, after);
-    const double enough = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(s0), std::abs(s1));
-    Guess root{Interval(s0, s1).mid(), 0};
-    for (int i = 0; i < most_newton_steps; ++i) {
-        const IntervalPoint p = line.at(Interval(root.s));
-        const double x = p[0].mid(), y = p[1].mid();
-        const PointNormal n = supports_ ? PointNormal(x, y) : PointNormal();
-        const auto difference = [&]() -> std::array<double, 3> {
-            if (are_twins) {
-                const HeightJet<Interval> d = heights_.difference(before, after, p[0], p[1]);
-                return {d.v.mid(), d.gx.mid(), d.gy.mid()};
-            }
-            // Next to a tip only intervals take heights together without cancellation.
-            const auto jet = [&](FormId f) {
-                if (supports_) return supports_->jet(f, n);
-                if (!heights_.family().tips.any()) return heights_.near(f, x, y);
-                const HeightJet<Interval> j = heights_.jet(f, p[0], p[1]);
-                return std::array{j.v.mid(), j.gx.mid(), j.gy.mid()};
-            };
-            const auto f = jet(before), g = jet(after);
-            return {f[0] - g[0], f[1] - g[1], f[2] - g[2]};
-        };
-        const auto [v, dx, dy] = difference();
-        root.slope = line.by_x ? dx + side_slope * dy : dy + side_slope * dx;
-        (v < 0 ? s0 : s1) = root.s;
-        const double step = v / root.slope, next = root.s - step;
-        if (std::abs(step) <= enough) break;
-        root.s = next > s0 && next < s1 ? next : Interval(s0, s1).mid();
-    }
-    return root;
-}
-
-// The one root of the two forms' difference between s0 and s1, where its slope is `least_slope` at least: a
-// guess, and its distance from the root by the mean value theorem; where that says little, interval Newton
-// and bisection.
-RimTransition MixedAnalysis::locate(const Line& line, double s0, double s1, FormId before, FormId after,
-                                    double least_slope) {
-    if (!rule_.shows_greater(before, after)) return locate_rise(line, s0, s1, before, after, least_slope);
-    RimTransition t = locate_rise(line, s0, s1, after, before, least_slope);
-    std::swap(t.before, t.after);
-    return t;
-}
-
-// Likewise of before - after, negative at s0 and positive at s1.
-RimTransition MixedAnalysis::locate_rise(const Line& line, double s0, double s1, FormId before, FormId after,
-                                         double least_slope) {
-    const Guess guess = approximate_root(line, s0, s1, before, after);
-    const IntervalPoint near = line.at(Interval(guess.s));
-    double lo = s0, hi = s1;
-    const auto is_narrow = [&] { return hi - lo <= root_width * (s1 - s0); };
-    const auto narrow_by = [&](const Interval& residual) {
-        const Interval root =
-            Interval(guess.s) + Interval(-1.0, 1.0) * Interval(residual.magnitude()) / Interval(least_slope);
-        lo = std::max(s0, root.lower());
-        hi = std::min(s1, root.upper());
-        if (!(lo <= hi)) throw InternalError("no root of a sign change along a side");
-        return guess.slope <= most_steepening * least_slope && is_narrow();
-    };
-    bool found = false;
-    const IntervalPoint stretch = line.at(Interval(s0, s1));
-    if (compare_by_supports(s1 - s0, extent_at(stretch[0], stretch[1])) && is_point(near[0]) &&
-        is_point(near[1]) && !heights_.are_twins(before, after)) {
-        const PointNormal n(near[0].mid(), near[1].mid());
-        const Interval residual =
-            Interval::ball(supports_->value(before, n) - supports_->value(after, n),
-                           supports_->value_error(before, n) + supports_->value_error(after, n));
-        found = narrow_by(residual);
-        if (!found && is_narrow()) {
-            const IntervalPoint range = line.at(Interval(lo, hi));
-            const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
-            const auto [gx, gy] = box.gradient(supports_->over(before, box), supports_->over(after, box));
-            least_slope = std::max(least_slope, line.along({{}, gx, gy}).lower());
-            found = narrow_by(residual);
-        }
-    }
-    if (!found) found = narrow_by(heights_.value_difference(before, after, near[0], near[1]));
-    const auto enclose = [&](const auto& difference) {
-        const Interval root = enclose_zero(
-            Interval(lo, hi), [&](const Interval& s) { return difference(s.lower()); },
-            [&](const Interval& part) { return line.slope_difference(heights_, before, after, part); });
-        lo = root.lower();
-        hi = root.upper();
-    };
-    if (!found) enclose([&](double s) { return line.difference(heights_, before, after, s); });
-    const bool is_sharp = !(found || is_narrow()) ||
-                          !is_well_known({near[0].mid(), near[1].mid()}, hi - lo, std::array{before, after},
-                                         extent_at(stretch[0], stretch[1]));
-    if (is_sharp) enclose([&](double s) { return line.sharp_difference(heights_, before, after, s); });
-    ++(is_sharp ? decisions_.by_multiprecision : decisions_.by_interval);
-    const IntervalPoint p = line.at(Interval(lo, hi));
-    return {before, after, {p[0].mid(), p[1].mid()}, reach(p[0], p[1]), {}};
+bool SideLabelling::is_spent() const {
+    // Measured: 80 evaluations and some hundred stretches to a form are usual; a few thousand evaluations in
+    // all where a tie of some ten forms is settled, 150,000 stretches along a line that hardly leaves a
+    // plane.
+    constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 150000,
+                          stretches_of_form = 5000;
+    const std::size_t forms = heights_.family().size();
+    return heights_.wide_evaluations() > most_wide + wide_of_form * forms ||
+           stretches_ > most_stretches + stretches_of_form * forms;
 }
 
 // The forms that may be lowest somewhere between s0 and s1, and if there are two the least slope of their
 // difference.
-MixedAnalysis::Rivals MixedAnalysis::rivals_along(const Line& line, double s0, double s1,
+SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s0, double s1,
                                                   std::span<const FormId> candidates) {
     const double m = Interval(s0, s1).mid(), r = Interval(s0, s1).radius();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     Rivals out{{}, 0};
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
-    const double extent = extent_at(range[0], range[1]);
-    const std::vector<FormId> open = not_hidden(candidates, range[1]);
+    const double extent = all_.extent_at(range[0], range[1]);
+    const std::vector<FormId> open = all_.not_hidden(candidates, range[1]);
     if (!heights_.family().hidden.empty()) candidates = open;
     std::vector<FormId> left;  // where supports do not tell twins apart
-    if (compare_by_supports(s1 - s0, extent)) {
+    if (all_.compare_by_supports(s1 - s0, extent)) {
         const NormalBox box(range[0].lower(), range[0].upper(), range[1].lower(), range[1].upper());
-        const auto rivals = lowest_supports(box, candidates);
-        for (const Rival& rival : rivals) out.forms.push_back(rival.form);
-        if (!have_twins(rivals)) {
+        const auto rivals = all_.lowest_supports(box, candidates);
+        for (const SupportRival& rival : rivals) out.forms.push_back(rival.form);
+        if (!all_.have_twins(rivals)) {
             if (rivals.size() == 2) {
                 const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
                 out.least_slope = least(line.along({{}, gx, gy}));
@@ -324,28 +209,28 @@ constexpr double crowded_width = 0x1p-36;
 constexpr std::size_t most_along_seam = 2000;
 
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
-bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, FormId l1,
+bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s1, FormId l1,
                             std::span<const FormId> candidates, bool is_seam,
                             std::vector<RimTransition>& out) {
     const double m = Interval(s0, s1).mid();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
-    const double extent = extent_at(range[0], range[1]);
+    const double extent = all_.extent_at(range[0], range[1]);
     ++stretches_;
     const auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
     decisions_.by_interval += candidates.size() - left.size();
     if (left.size() == 1) return true;
     if (least_slope > 0) {
         ++decisions_.by_interval;
-        if (l0 != l1) out.push_back(locate(line, s0, s1, l0, l1, least_slope));
+        if (l0 != l1) out.push_back(roots_.locate(line, s0, s1, l0, l1, least_slope));
         return true;
     }
     if (!is_seam && s1 - s0 < sharp_width * extent)
-        if (const auto tie = find_tie(line, s0, l0, s1, l1, left)) {
+        if (const auto tie = crossings_.find_tie(line, s0, l0, s1, l1, left)) {
             out.push_back(*tie);
             return true;
         }
     if (left.size() > 2 && s1 - s0 <= crowded_width * extent)
-        if (const auto crossings = order_crossings(line, s0, l0, s1, l1, left)) {
+        if (const auto crossings = crossings_.order(line, s0, l0, s1, l1, left)) {
             out.insert(out.end(), crossings->begin(), crossings->end());
             return true;
         }
@@ -359,7 +244,7 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
                         {middle[0].mid(), middle[1].mid()},
                         reach(range[0], range[1]),
                         {left.begin(), left.end()}};
-        assume(t.point, s1 - s0, t.ties);
+        all_.assume(t.point, s1 - s0, t.ties);
         out.push_back(std::move(t));
         return true;
     }
@@ -386,10 +271,10 @@ bool MixedAnalysis::descend(const Line& line, double s0, FormId l0, double s1, F
     throw InternalError("a side was not divided");
 }
 
-std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const IntervalPoint& from,
+std::optional<SideLabels> SideLabelling::label_side(const PieceSide& side, const IntervalPoint& from,
                                                     const IntervalPoint& to, FormId first, FormId last,
                                                     std::vector<FormId> candidates, bool is_seam) {
-    const Line line(side);
+    const SideLine line(side);
     const Interval p = line.coordinate(from), q = line.coordinate(to);
     const bool ascending = line.ascends();
     const double s0 = std::min(p.lower(), q.lower()), s1 = std::max(p.upper(), q.upper());
@@ -416,9 +301,9 @@ std::optional<SideLabels> MixedAnalysis::label_side(const PieceSide& side, const
     return ascending ? std::move(labels) : labels.reversed();
 }
 
-FormId MixedAnalysis::label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
+FormId SideLabelling::label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
                                    std::span<const FormId> candidates) {
-    const Line line(side);
+    const SideLine line(side);
     const double p = line.coordinate(from).mid(), q = line.coordinate(to).mid();
     for (double part = side_floor_width; part < 1; part *= 16) {
         const auto lowest = lowest_at(line, p + part * (q - p), candidates);

@@ -1,0 +1,39 @@
+/// Points in which three forms or more are equal, with many digits and exactly: where they are, and what else
+/// is equal there.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "competition.hpp"
+#include "mixed_piece.hpp"
+
+namespace vcell {
+
+class CommonPoints {
+public:
+    explicit CommonPoints(Competition& all)
+        : all_(all), heights_(all.heights()), decisions_(all.decisions()), extent_(all.extent()) {}
+
+    std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g,
+                                                            const Eigen::Vector2d& start) const;
+    std::optional<std::array<Wide, 2>> sharp_vertex(const MixedPiece::Vertex& v,
+                                                    const std::array<FormId, 3>& forms, int exponent = -240);
+    bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
+    bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
+    std::optional<IntervalPoint> exact_touch(std::span<const FormId> touching, std::span<const FormId> ties,
+                                             const std::array<Wide, 2>& at, const std::array<double, 4>& box);
+    std::optional<Sign> sign_at_vertex(const MixedPiece::Vertex& v, std::array<FormId, 3> forms,
+                                       FormId other);
+    std::optional<double> ties_in_noise(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms,
+                                        FormId other);
+
+private:
+    Competition& all_;
+    const Heights& heights_;
+    Decisions& decisions_;
+    double extent_;
+};
+
+}  // namespace vcell

@@ -1,0 +1,69 @@
+/// The labels along the sides of pieces, where everything is one-dimensional.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "competition.hpp"
+#include "mixed_piece.hpp"
+#include "side_crossings.hpp"
+#include "side_roots.hpp"
+
+namespace vcell {
+
+class SideLabelling {
+public:
+    explicit SideLabelling(Competition& all)
+        : all_(all),
+          crossings_(all),
+          roots_(all),
+          heights_(all.heights()),
+          rule_(all.rule()),
+          decisions_(all.decisions()) {}
+
+    /// All forms that attain the minimum of the candidates where s and t meet.
+    std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
+
+    /// The labels along a side between two corners, from `first` to `last`. Seams must be crossed cleanly:
+    /// none if forms tie on one otherwise than by crossing at a slope. Throws TieError if they tie along
+    /// another side.
+    std::optional<SideLabels> label_side(const PieceSide& side, const IntervalPoint& from,
+                                         const IntervalPoint& to, FormId first, FormId last,
+                                         std::vector<FormId> candidates, bool is_seam);
+    /// The label right after the corner `from`, where several forms tie. Throws TieError if they do all
+    /// along.
+    FormId label_beside(const PieceSide& side, const IntervalPoint& from, const IntervalPoint& to,
+                        std::span<const FormId> candidates);
+
+    /// The tie that the last seam was given up for.
+    const std::optional<Assumption>& obstacle() const { return obstacle_; }
+    /// Were sides divided, or heights asked for with many digits, so often that forms all but coincide along
+    /// a curve or an area?
+    bool is_spent() const;
+
+private:
+    struct Rivals {
+        SmallVector<FormId, usual_rivals> forms;
+        double least_slope;
+    };
+    Rivals rivals_along(const SideLine& line, double s0, double s1, std::span<const FormId> candidates);
+    bool descend(const SideLine& line, double s0, FormId l0, double s1, FormId l1,
+                 std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out);
+    using Lowest = SmallVector<FormId, usual_rivals>;
+    Lowest lowest_at(const SideLine& line, double s, std::span<const FormId> candidates);
+    template <class Exactly>  // of the point, as a RationalPoint
+    Lowest lowest_at(const IntervalPoint& p, std::span<const FormId> candidates, Exactly&& exactly);
+
+    Competition& all_;
+    SideCrossings crossings_;
+    SideRoots roots_;
+    const Heights& heights_;
+    const FloorRule& rule_;
+    Decisions& decisions_;
+    std::optional<Assumption> obstacle_;
+    std::size_t stretches_ = 0;         // that sides were divided into
+    std::size_t wide_before_side_ = 0;  // evaluations with many digits before the side in work
+};
+
+}  // namespace vcell
