@@ -54,11 +54,6 @@ double CircleCurves::lower_bound(FormId f, FormId g, double x0, double x1, doubl
     return jet({f, g}, x, y).lower_bound(rx, ry);
 }
 
-std::array<double, 2> CircleCurves::height(FormId f, double x, double y) const {
-    const FormJet j = forms_[f].jet(x, y);
-    return {j.v, j.ev};
-}
-
 // Two curves are the same if (K, A, B, C) of one is a multiple of the other's, about any place: if no minor
 // of the two rows is other than zero. The place is one about which a form of c has small coefficients.
 bool CircleCurves::same_curve(FormPair c, FormPair d) {

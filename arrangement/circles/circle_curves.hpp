@@ -58,8 +58,6 @@ public:
     /// Does the double rung prove that c's circle does not lie in the rectangle?
     bool circle_leaves_box(FormPair c, const std::array<double, 4>& box) const;
 
-    /// f at a plain location in doubles with an error bound.
-    std::array<double, 2> height(FormId f, double x, double y) const;
     /// Lower bound of f - g over the axis-parallel rectangle [x0,x1] x [y0,y1] (double rung only).
     double lower_bound(FormId f, FormId g, double x0, double x1, double y0, double y1) const;
 

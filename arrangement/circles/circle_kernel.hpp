@@ -97,7 +97,6 @@ public:
     ArcBounds arc_bounds(FormPair c, PointId p, PointId q) const;
     /// Enclosure of f at the true point p: midpoint and radius.
     std::array<double, 2> height(FormId f, PointId p) const;
-    using CircleCurves::height;
 
 private:
     /// `moved`: away from a place where the closed form is singular.

@@ -96,7 +96,7 @@ std::vector<FormId> BoxRivals::cull(const std::array<double, 4>& box, std::span<
     } else {
         spreads_ = lowest_spreads(box, candidates);
     }
-    all_.decisions().by_interval += candidates.size() - 1;
+    decisions_.by_interval += candidates.size() - 1;
     std::vector<FormId> kept;
     kept.reserve(spreads_.size());
     for (const Spread& s : spreads_) kept.push_back(s.form);

@@ -23,9 +23,9 @@ struct Spread {
 /// both are bent.
 std::array<Interval, 2> bent_gradient(const std::array<Interval, 2>& over, const Spread& a, const Spread& b);
 
-class BoxRivals {
+class BoxRivals : CompetitionArgument {
 public:
-    explicit BoxRivals(Competition& all) : all_(all), heights_(all.heights()), rule_(all.rule()) {}
+    explicit BoxRivals(Competition& all) : CompetitionArgument(all) {}
 
     /// The candidates that may be lowest, with a floor show, somewhere in the rectangle.
     std::vector<FormId> cull(const std::array<double, 4>& box, std::span<const FormId> candidates);
@@ -49,9 +49,6 @@ private:
     std::vector<Spread> lowest_spreads(const std::array<double, 4>& box,
                                        std::span<const FormId> candidates) const;
 
-    Competition& all_;
-    const Heights& heights_;
-    const FloorRule& rule_;
     std::vector<Spread> spreads_;
     std::optional<NormalBox> normals_;
 };

@@ -10,10 +10,9 @@
 
 namespace vcell {
 
-class CommonPoints {
+class CommonPoints : CompetitionArgument {
 public:
-    explicit CommonPoints(Competition& all)
-        : all_(all), heights_(all.heights()), decisions_(all.decisions()), extent_(all.extent()) {}
+    explicit CommonPoints(Competition& all) : CompetitionArgument(all) {}
 
     std::optional<std::array<Wide, 2>> sharp_critical_point(FormId f, FormId g,
                                                             const Eigen::Vector2d& start) const;
@@ -28,12 +27,6 @@ public:
                                        FormId other);
     std::optional<double> ties_in_noise(const MixedPiece::Vertex& v, const std::array<FormId, 3>& forms,
                                         FormId other);
-
-private:
-    Competition& all_;
-    const Heights& heights_;
-    Decisions& decisions_;
-    double extent_;
 };
 
 }  // namespace vcell

@@ -105,4 +105,23 @@ private:
     std::vector<Assumption> assumptions_;
 };
 
+/// What arguments about the forms that compete have at hand.
+class CompetitionArgument {
+protected:
+    explicit CompetitionArgument(Competition& all)
+        : all_(all),
+          heights_(all.heights()),
+          rule_(all.rule()),
+          supports_(all.supports()),
+          decisions_(all.decisions()),
+          extent_(all.extent()) {}
+
+    Competition& all_;
+    const Heights& heights_;
+    const FloorRule& rule_;
+    const SphereSupports* supports_;  // over a sphere; else null
+    Decisions& decisions_;
+    double extent_;
+};
+
 }  // namespace vcell

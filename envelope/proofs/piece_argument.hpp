@@ -7,24 +7,12 @@
 
 namespace vcell {
 
-class PieceArgument {
+class PieceArgument : protected CompetitionArgument {
 protected:
-    PieceArgument(Competition& all, PieceWork& work)
-        : all_(all),
-          points_(all),
-          work_(work),
-          heights_(all.heights()),
-          rule_(all.rule()),
-          decisions_(all.decisions()),
-          extent_(all.extent()) {}
+    PieceArgument(Competition& all, PieceWork& work) : CompetitionArgument(all), points_(all), work_(work) {}
 
-    Competition& all_;
     CommonPoints points_;
     PieceWork& work_;
-    const Heights& heights_;
-    const FloorRule& rule_;
-    Decisions& decisions_;
-    double extent_;
 };
 
 }  // namespace vcell

@@ -7,15 +7,9 @@
 
 namespace vcell {
 
-class SideCrossings {
+class SideCrossings : CompetitionArgument {
 public:
-    explicit SideCrossings(Competition& all)
-        : all_(all),
-          points_(all),
-          heights_(all.heights()),
-          rule_(all.rule()),
-          decisions_(all.decisions()),
-          extent_(all.extent()) {}
+    explicit SideCrossings(Competition& all) : CompetitionArgument(all), points_(all) {}
 
     /// The changes between s0, where l0 is lowest, and s1, where l1 is.
     std::optional<std::vector<RimTransition>> order(const SideLine& line, double s0, FormId l0, double s1,
@@ -25,12 +19,7 @@ public:
                                           std::span<const FormId> forms);
 
 private:
-    Competition& all_;
     CommonPoints points_;
-    const Heights& heights_;
-    const FloorRule& rule_;
-    Decisions& decisions_;
-    double extent_;
 };
 
 }  // namespace vcell

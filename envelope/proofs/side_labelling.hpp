@@ -12,15 +12,9 @@
 
 namespace vcell {
 
-class SideLabelling {
+class SideLabelling : CompetitionArgument {
 public:
-    explicit SideLabelling(Competition& all)
-        : all_(all),
-          crossings_(all),
-          roots_(all),
-          heights_(all.heights()),
-          rule_(all.rule()),
-          decisions_(all.decisions()) {}
+    explicit SideLabelling(Competition& all) : CompetitionArgument(all), crossings_(all), roots_(all) {}
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
@@ -55,12 +49,8 @@ private:
     template <class Exactly>  // of the point, as a RationalPoint
     Lowest lowest_at(const IntervalPoint& p, std::span<const FormId> candidates, Exactly&& exactly);
 
-    Competition& all_;
     SideCrossings crossings_;
     SideRoots roots_;
-    const Heights& heights_;
-    const FloorRule& rule_;
-    Decisions& decisions_;
     std::optional<Assumption> obstacle_;
     std::size_t stretches_ = 0;         // that sides were divided into
     std::size_t wide_before_side_ = 0;  // evaluations with many digits before the side in work

@@ -56,8 +56,7 @@ SideRoots::Guess SideRoots::approximate_root(const SideLine& line, double s0, do
 // and bisection.
 RimTransition SideRoots::locate(const SideLine& line, double s0, double s1, FormId before, FormId after,
                                 double least_slope) {
-    if (!all_.rule().shows_greater(before, after))
-        return locate_rise(line, s0, s1, before, after, least_slope);
+    if (!rule_.shows_greater(before, after)) return locate_rise(line, s0, s1, before, after, least_slope);
     RimTransition t = locate_rise(line, s0, s1, after, before, least_slope);
     std::swap(t.before, t.after);
     return t;

@@ -6,10 +6,9 @@
 
 namespace vcell {
 
-class SideRoots {
+class SideRoots : CompetitionArgument {
 public:
-    explicit SideRoots(Competition& all)
-        : all_(all), heights_(all.heights()), supports_(all.supports()), decisions_(all.decisions()) {}
+    explicit SideRoots(Competition& all) : CompetitionArgument(all) {}
 
     /// The one root of the two forms' difference between s0 and s1, where its slope is `least_slope` at
     /// least.
@@ -23,11 +22,6 @@ private:
     RimTransition locate_rise(const SideLine& line, double s0, double s1, FormId before, FormId after,
                               double least_slope);
     Guess approximate_root(const SideLine& line, double s0, double s1, FormId before, FormId after) const;
-
-    Competition& all_;
-    const Heights& heights_;
-    const SphereSupports* supports_;
-    Decisions& decisions_;
 };
 
 }  // namespace vcell
