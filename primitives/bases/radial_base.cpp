@@ -72,7 +72,10 @@ std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
     const double radius = problem.chart.radius;
     if (!problem.chart.is_sphere()) {
         if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
-        return to_string(bisector(problem.given_base, problem.given[form]).kind);
+        // Axes that cross where the base has turned, and tubes with them, may pass each other there by a
+        // rounding.
+        const BisectorKind kind = bisector(problem.given_base, problem.given[form]).kind;
+        return to_string(kind == BisectorKind::PairOfPlanes ? BisectorKind::Plane : kind);
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object))
         return to_string(vessel->center.isZero(0) ? BisectorKind::Sphere : BisectorKind::Ellipsoid);
