@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "../../core/errors.hpp"
+#include "../../primitives/forms/exact_heights.hpp"
 #include "mixed_terms.hpp"
 
 namespace vcell {
@@ -208,6 +209,53 @@ constexpr double crowded_width = 0x1p-36;
 // A seam on which forms tie is given up after so many evaluations with many digits: there are others.
 constexpr std::size_t most_along_seam = 2000;
 
+// Are two forms one function along the line? Over a plane a height's reciprocal q is the positive root of
+// c q^2 - 2 b q - a, c > 0, a >= 0, where c is of degree two at most along the line, b of degree one, and a a
+// constant: the resultant of two of them is of degree four. If the heights are equal in five places it is
+// zero all along, and there is a root that both have. That does not vanish unless both a do; then without the
+// roots q = 0 what is left is linear in q, and the resultant of degree three. So the root that is positive in
+// these places is so between them, and is the height.
+bool SideLabelling::are_one_along(const SideLine& line, double s0, double s1, FormId f, FormId g) {
+    constexpr int places = 5;
+    if (!heights_.family().are_quadratic() || rule_.is_any()) return false;
+    const std::array forms{f, g};
+    for (int i = 0; i < places; ++i)
+        if (!all_tie(heights_.family(), forms, line.exact_at(s0 + (i + 0.5) / places * (s1 - s0))))
+            return false;
+    ++decisions_.by_exact;
+    return true;
+}
+
+// Of forms that are one function along a side of the region, from s0 to s1, leaves out those that rise above
+// others of them towards the inside all along the part from t0 to t1. Is anything left out?
+template <class Forms>
+bool SideLabelling::leave_lowest_inside(const SideLine& line, double s0, double s1, double t0, double t1,
+                                        Forms& forms) {
+    const IntervalPoint range = line.at(Interval(t0, t1));
+    const auto rises_above = [&](FormId g, FormId f) {
+        const HeightJet<Interval> d = heights_.difference(g, f, range[0], range[1]);
+        return (line.side.a * d.gx + line.side.b * d.gy).lower() > 0;
+    };
+    const auto loses = [&](FormId g) {
+        return std::ranges::any_of(forms, [&](FormId f) {
+            return f != g && rises_above(g, f) && are_one_along(line, s0, s1, f, g);
+        });
+    };
+    Forms left;
+    for (const FormId g : forms)
+        if (!loses(g)) left.push_back(g);
+    const bool is_less = left.size() < forms.size();
+    forms = std::move(left);
+    return is_less;
+}
+
+// A form that is one function with either of those that change places ties there.
+void SideLabelling::add_if_one(const SideLine& line, double s0, double s1, FormId f, RimTransition& t) {
+    if (!are_one_along(line, s0, s1, f, t.before) && !are_one_along(line, s0, s1, f, t.after)) return;
+    if (t.ties.empty()) t.ties = {t.before, t.after};
+    t.ties.push_back(f);
+}
+
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
 bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s1, FormId l1,
                             std::span<const FormId> candidates, bool is_seam,
@@ -258,6 +306,18 @@ bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s
         const double s = s0 + ratio * (s1 - s0);
         const auto lowest = lowest_at(line, s, left);
         if (lowest.size() != 1 && ratio != 0.41234) continue;
+        if (lowest.size() != 1 && !is_seam) {
+            auto inside = left;
+            if (leave_lowest_inside(line, s0, s1, s0, s1, inside)) {
+                const std::size_t before = out.size();
+                if (!descend(line, s0, l0, s1, l1, {inside.begin(), inside.end()}, is_seam, out))
+                    return false;
+                for (RimTransition& t : std::span(out).subspan(before))
+                    for (const FormId f : left)
+                        if (std::ranges::find(inside, f) == inside.end()) add_if_one(line, s0, s1, f, t);
+                return true;
+            }
+        }
         if (lowest.size() != 1) {
             const IntervalPoint p = line.at(Interval(s));
             const Assumption tie{{p[0].mid(), p[1].mid()}, s1 - s0, {lowest.begin(), lowest.end()}};
@@ -306,7 +366,9 @@ FormId SideLabelling::label_beside(const PieceSide& side, const IntervalPoint& f
     const SideLine line(side);
     const double p = line.coordinate(from).mid(), q = line.coordinate(to).mid();
     for (double part = side_floor_width; part < 1; part *= 16) {
-        const auto lowest = lowest_at(line, p + part * (q - p), candidates);
+        const double s = p + part * (q - p);
+        auto lowest = lowest_at(line, s, candidates);
+        if (lowest.size() > 1) leave_lowest_inside(line, p, q, s, s, lowest);
         if (lowest.size() == 1) return lowest[0];
     }
     throw TieError({{from[0].mid(), from[1].mid()}, std::abs(q - p), {candidates.begin(), candidates.end()}});

@@ -20,8 +20,9 @@ public:
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
 
     /// The labels along a side between two corners, from `first` to `last`. Seams must be crossed cleanly:
-    /// none if forms tie on one otherwise than by crossing at a slope. Throws TieError if they tie along
-    /// another side.
+    /// none if forms tie on one otherwise than by crossing at a slope. Of forms that are one function along
+    /// another side the label is the one that is lowest next to it inside, if that is the same one all along.
+    /// Throws TieError if they tie along it otherwise.
     std::optional<SideLabels> label_side(const PieceSide& side, const IntervalPoint& from,
                                          const IntervalPoint& to, FormId first, FormId last,
                                          std::vector<FormId> candidates, bool is_seam);
@@ -44,6 +45,10 @@ private:
     Rivals rivals_along(const SideLine& line, double s0, double s1, std::span<const FormId> candidates);
     bool descend(const SideLine& line, double s0, FormId l0, double s1, FormId l1,
                  std::span<const FormId> candidates, bool is_seam, std::vector<RimTransition>& out);
+    bool are_one_along(const SideLine& line, double s0, double s1, FormId f, FormId g);
+    void add_if_one(const SideLine& line, double s0, double s1, FormId f, RimTransition& t);
+    template <class Forms>
+    bool leave_lowest_inside(const SideLine& line, double s0, double s1, double t0, double t1, Forms& forms);
     using Lowest = SmallVector<FormId, usual_rivals>;
     Lowest lowest_at(const SideLine& line, double s, std::span<const FormId> candidates);
     template <class Exactly>  // of the point, as a RationalPoint

@@ -41,6 +41,10 @@ struct FormFamily : CircularFamily {
     /// What the heights are compared over: where all forms are circular, a plane also in a sphere's chart.
     Chart compared_over() const { return radial.empty() ? Chart() : chart; }
 
+    /// Are the heights' equations c q^2 - 2 b q - a = 0 over the chart as over a plane, with c of degree two
+    /// at most, b of degree one and a constant, or heights themselves of degree two?
+    bool are_quadratic() const { return radial.empty(); }
+
     std::size_t size() const { return forms.size() + cylinders.size() + radial.size(); }
     bool is_circular(FormId f) const { return f.value < forms.size(); }
     bool is_all_circular() const { return cylinders.empty() && radial.empty(); }
