@@ -34,14 +34,39 @@ double meeting(const NearnessAtAngle& p, const NearnessAtAngle& q, double from) 
     return from + turn;
 }
 
+// F_g - F_f, times c0 of both: x, z and w as NearnessAtAngle has them.
+ExactVector difference(const RadialForm& f, const RadialForm& g) {
+    return {f.c[0] * g.b[0] - g.c[0] * f.b[0], f.c[0] * g.b[2] - g.c[0] * f.b[2],
+            f.c[0] * g.b0 - g.c[0] * f.b0};
+}
+
 // Is F_j = l F_a + (1 - l) F_b, 0 < l < 1?
 bool is_between(const RadialForm& j, const RadialForm& a, const RadialForm& b) {
-    const auto direction = [](const RadialForm& f, const RadialForm& g) {  // F_g - F_f, times c0 of both
-        return ExactVector(f.c[0] * g.b[0] - g.c[0] * f.b[0], f.c[0] * g.b[2] - g.c[0] * f.b[2],
-                           f.c[0] * g.b0 - g.c[0] * f.b0);
-    };
-    const ExactVector to_a = direction(j, a), to_b = direction(j, b);
+    const ExactVector to_a = difference(j, a), to_b = difference(j, b);
     return cross(to_a, to_b).is_zero() && dot(to_a, to_b).sign() == Sign::Negative;
+}
+
+// Is F_j <= l F_a + (1 - l) F_b all around, and equal where all three are, over one generator? With A = F_a -
+// F_j, B = F_b - F_j and <A, B> = A_w B_w - A_x B_x - A_z B_z a function is positive all around but for one
+// zero where <D, D> = 0 and D_w > 0. Of D = s A + t B, where <A, A> and <B, B> are negative, <D, D> is
+// greatest for s : t = sqrt(-<B, B>) : sqrt(-<A, A>), and zero there if <A, B> is the root of <A, A> <B, B>.
+// Then <A, D> = 0, which is the value of A at the zero of D, times D_w.
+bool touches_mean(const RadialForm& j, const RadialForm& a, const RadialForm& b) {
+    for (const RadialForm* f : {&j, &a, &b})
+        if (f->c[0].sign() != Sign::Positive) return false;
+    const auto product = [](const ExactVector& p, const ExactVector& q) {
+        return p.z * q.z - p.x * q.x - p.y * q.y;
+    };
+    const ExactVector to_a = difference(j, a), to_b = difference(j, b);
+    const Exact aa = product(to_a, to_a), bb = product(to_b, to_b), ab = product(to_a, to_b);
+    if (aa.sign() != Sign::Negative || bb.sign() != Sign::Negative || ab.sign() != Sign::Positive ||
+        (ab * ab - aa * bb).sign() != Sign::Zero)
+        return false;
+    const Sign of_a = to_a.z.sign(), of_b = to_b.z.sign();
+    if (of_a == of_b) return of_a == Sign::Positive;
+    if (of_a == Sign::Zero || of_b == Sign::Zero) return of_a == Sign::Positive || of_b == Sign::Positive;
+    const Sign longer = (aa * to_b.z * to_b.z - bb * to_a.z * to_a.z).sign();  // of a's part
+    return longer == of_a;
 }
 
 // How far distances from the middle one change when its F gives way to one between those of a and b, by the
@@ -118,7 +143,7 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
             if (n == current || n == following) continue;
             const RadialForm &j = forms[n->form], &a = forms[current->form], &b = forms[following->form];
             AxialTie tie{n->form, current->form, following->form, 0};
-            if (!is_between(j, a, b)) {
+            if (!is_between(j, a, b) && !touches_mean(j, a, b)) {
                 if (!is_nearly_between(*n, *current, *following, following->at(next))) continue;
                 const Vec3 to_j(n->x - current->x, n->z - current->z, n->w - current->w),
                     to_b(following->x - current->x, following->z - current->z, following->w - current->w);

@@ -8,6 +8,9 @@
 /// as far from all: in square lattices, say. Where coordinates are rounded, as of hexagonal lattices, F_j
 /// comes out nearer by parts of 2^-53 over a strip as narrow, up to `narrow_tie`.
 ///
+/// Nor is a form nearer whose F such a mean touches from above over the generator on which all three are
+/// equal, as a plane's half-way between two others that are as far from the axis, across it.
+///
 /// The coefficients of F are those of a tube about m whose radius is that of the base plus delta,
 ///
 ///     F = 2 (m.u + delta) / N,  N = |m|^2 - delta^2;     m = 2 X / M,  delta = 2 w / M,  M = |X|^2 - w^2 = 4

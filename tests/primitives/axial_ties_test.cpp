@@ -1,0 +1,69 @@
+// Ties along generators of a cylinder, against functions of small integers compared all around.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "../../primitives/forms/axial_ties.hpp"
+#include "../test_support.hpp"
+
+namespace vcell::axial_ties_test {
+
+// F(u) = x u_x + z u_z + w, of C = 2 for the sake of whole numbers.
+RadialForm form(const std::array<int, 3>& f) {
+    RadialForm r{};
+    r.c[0] = 2.0;
+    r.b = {Exact(f[0]), Exact(), Exact(f[1])};
+    r.b0 = f[2];
+    return r;
+}
+
+double at(const std::array<int, 3>& f, double angle) {
+    return f[0] * std::sin(angle) + f[1] * std::cos(angle) + f[2];
+}
+
+TEST_CASE("axial ties: a side half-way between two planes as far from the axis gives way to them") {
+    // The planes are across u_x, the side is met at u_z.
+    const auto ties = find_axial_ties(std::vector{form({1, 0, 1}), form({-1, 0, 1}), form({0, 1, 0})});
+    REQUIRE(ties.size() == 1);
+    CHECK(ties[0].middle == 2);
+    CHECK(ties[0].move == 0);
+    // A tube that comes nearer between them is nearest about there.
+    CHECK(find_axial_ties(std::vector{form({1, 0, 1}), form({-1, 0, 1}), form({0, 0, 2})}).empty());
+    CHECK(find_axial_ties(std::vector{form({1, 0, 1}), form({-1, 0, 1}), form({0, 2, 0})}).empty());
+}
+
+TEST_CASE("axial ties: what is left out is nowhere nearest, and ties over the generator") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> whole(-3, 3);
+    int touching = 0;
+    for (int i = 0; i < 20'000 * rounds(); ++i) {
+        std::array<std::array<int, 3>, 3> f;
+        for (auto& g : f)
+            for (int& x : g) x = whole(rng);
+        CAPTURE(f);
+        for (const AxialTie& tie : find_axial_ties(std::vector{form(f[0]), form(f[1]), form(f[2])})) {
+            const auto &j = f[tie.middle], &a = f[tie.before], &b = f[tie.after];
+            double least = 100;
+            constexpr int places = 360;
+            for (int k = 0; k < places; ++k) {
+                const double angle = 2 * std::numbers::pi * k / places;
+                const double above = std::max(at(a, angle), at(b, angle)) - at(j, angle);
+                CHECK(above > -1e-12);
+                least = std::min(least, above);
+            }
+            CHECK(least < 0.1);
+            // None of the three is a mean of the others.
+            const int det = j[0] * (a[1] * b[2] - a[2] * b[1]) - j[1] * (a[0] * b[2] - a[2] * b[0]) +
+                            j[2] * (a[0] * b[1] - a[1] * b[0]);
+            touching += det != 0;
+        }
+    }
+    CHECK(touching > 20);
+}
+
+}  // namespace vcell::axial_ties_test
