@@ -134,7 +134,7 @@ private:
         return diagram_.is_circular(diagram_.edges[e].left) && cell_.edges[e.value].kind != CurveKind::Spline;
     }
 
-    // Where a face's edges start; and over a cylinder their distances from the axis.
+    // Where a face's edges are; and over a cylinder their distances from the axis.
     struct Reach {
         Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
         double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
@@ -165,11 +165,14 @@ private:
         std::vector<Reach> reaches(are_asked ? diagram_.dcel.face_count() : 0);
         if (are_asked)
             for (const EdgeId e : diagram_.edges.ids()) {
-                if (cell_.edges[e.value].curve.points.empty()) continue;
-                const Vec3 p =
-                    problem_.frame.to_canonical(cell_.edges[e.value].curve.points.front().head<3>());
-                for (const unsigned side : {0u, 1u})
-                    reaches[diagram_.dcel.face(Dcel::half_edge(e, side)).value].add(p);
+                // The ends of spans: a face of two edges has no more than two vertices, which may be next to
+                // each other.
+                const RationalCurve3& curve = cell_.edges[e.value].curve;
+                for (std::size_t i = 0; i < curve.points.size(); i += curve.degree) {
+                    const Vec3 p = problem_.frame.to_canonical(curve.points[i].head<3>());
+                    for (const unsigned side : {0u, 1u})
+                        reaches[diagram_.dcel.face(Dcel::half_edge(e, side)).value].add(p);
+                }
             }
         cell_faces_.resize(diagram_.dcel.face_count(), no_face);
         faces_.reserve(cell_.faces.size());
