@@ -23,7 +23,7 @@ FaceSurfaces::FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatche
       fits_(fits),
       trims_(loops, patches, curves),
       surfaces_(diagram_.dcel.face_count()),
-      roundings_(diagram_.dcel.face_count(), 0) {}
+      roundings_(diagram_.edges.size(), std::array{0.0, 0.0}) {}
 
 void FaceSurfaces::make() {
     std::vector<FaceId> all;
@@ -115,7 +115,6 @@ bool FaceSurfaces::make_closed(FaceId face) {
         double rounding = 0;
         std::optional<RationalPatch> surface = patch->patch(box[0], box[1], problem_.frame, rounding);
         if (!surface) return false;
-        roundings_[face] = std::max(roundings_[face], rounding);
         // Counter-clockwise about its own pole, from one point for both.
         RationalCurve2 circle;
         begin_joined(circle, 2, 4);
@@ -139,9 +138,11 @@ bool FaceSurfaces::make_whole(FaceId face) {
     TrimmedPatch& result = whole(face);
     result.loops = trims_.loops(face);
     const Rectangle box = bounds(face);
-    std::optional<RationalPatch> surface = patch.patch(box[0], box[1], problem_.frame, roundings_[face]);
+    double rounding = 0;
+    std::optional<RationalPatch> surface = patch.patch(box[0], box[1], problem_.frame, rounding);
     if (!surface) return false;
-    if (roundings_[face] > enough_digits()) roundings_[face] = rounding_along(patch, box, result.loops);
+    forget_roundings(face);
+    note_roundings(face, patch, box, result.loops, rounding);
     result.surface = std::move(*surface);
     return true;
 }
@@ -203,15 +204,27 @@ bool FaceSurfaces::lacks_digits(FaceId face) const {
     return lacks;
 }
 
-// Patches that are rounded by less than enough_digits() need no such close look.
-double FaceSurfaces::rounding_along(const RadialPatch& patch, const Rectangle& box,
-                                    const std::vector<std::vector<TrimCurve>>& loops) const {
-    double most = 0;
+void FaceSurfaces::forget_roundings(FaceId face) {
+    loops_.around(face, [&](EdgeId e, bool) { roundings_[e][diagram_.face(e, 0) == face ? 0 : 1] = 0; });
+}
+
+// A patch may lose its digits far from an edge, so each is told what is rounded beside it; the most of all of
+// them comes back. Patches that are rounded by less than enough_digits() need no such close look.
+double FaceSurfaces::note_roundings(FaceId face, const RadialPatch& patch, const Rectangle& box,
+                                    const std::vector<std::vector<TrimCurve>>& loops, double of_patch) {
+    const bool is_enough = of_patch <= enough_digits();
+    double most = is_enough ? of_patch : 0;
     for (const std::vector<TrimCurve>& loop : loops)
-        for (const TrimCurve& trim : loop)
-            if (trim.edge)
-                most = std::max(
-                    most, patch.rounding_along(trim.curve, box[0], box[1], problem_.frame, enough_digits()));
+        for (const TrimCurve& trim : loop) {
+            if (!trim.edge) continue;
+            const EdgeId e{*trim.edge};
+            const double beside =
+                is_enough ? of_patch
+                          : patch.rounding_along(trim.curve, box[0], box[1], problem_.frame, enough_digits());
+            double& known = roundings_[e][diagram_.face(e, 0) == face ? 0 : 1];
+            known = std::max(known, beside);
+            most = std::max(most, beside);
+        }
     return most;
 }
 
@@ -251,7 +264,7 @@ bool FaceSurfaces::make_cut(FaceId face) {
     std::vector<double> reaches;
     for (const Sector& s : sectors) reaches.push_back(s.reach());
     surfaces_[face].clear();
-    roundings_[face] = 0;
+    forget_roundings(face);
     cut.is_too_wide.assign(sectors.size(), false);
     const std::uint32_t first_seam = seams_;
     std::optional<std::vector<CutPart>> parts = cut_face(trims_.all_runs(face), reaches, seams_);
@@ -267,13 +280,12 @@ bool FaceSurfaces::make_cut(FaceId face) {
         const RadialPatch& patch = sectors[part.sector].patch;
         double rounding = 0;
         auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
-        if (surface && rounding > enough_digits()) rounding = rounding_along(patch, box, part.loops);
+        if (surface) rounding = note_roundings(face, patch, box, part.loops, rounding);
         const bool is_blurred = rounding > fits_.tolerance() && sectors[part.sector].width() > wide;
         if (!surface || is_blurred) {
             cut.is_too_wide[part.sector] = true;
             continue;
         }
-        roundings_[face] = std::max(roundings_[face], rounding);
         surfaces_[face].push_back({std::move(*surface), std::move(part.loops)});
     }
     return std::ranges::find(cut.is_too_wide, true) == cut.is_too_wide.end();

@@ -30,9 +30,7 @@ public:
     /// The patches that make() has made.
     std::vector<TrimmedPatch>& of(FaceId face) { return surfaces_[face]; }
     /// A bound on how far rounded control points move the patches beside an edge.
-    double rounding(EdgeId e) const {
-        return std::max(roundings_[diagram_.face(e, 0)], roundings_[diagram_.face(e, 1)]);
-    }
+    double rounding(EdgeId e) const { return std::max(roundings_[e][0], roundings_[e][1]); }
 
 private:
     // What became of a face in sectors.
@@ -55,8 +53,9 @@ private:
     bool holds_vertices(FaceId face) const;
     bool lacks_digits(FaceId face) const;
     double enough_digits() const { return fits_.tolerance() / 16; }
-    double rounding_along(const RadialPatch& patch, const Rectangle& box,
-                          const std::vector<std::vector<TrimCurve>>& loops) const;
+    void forget_roundings(FaceId face);
+    double note_roundings(FaceId face, const RadialPatch& patch, const Rectangle& box,
+                          const std::vector<std::vector<TrimCurve>>& loops, double of_patch);
     void halve_for_trims();
 
     const RadialBaseProblem& problem_;
@@ -67,9 +66,9 @@ private:
     EdgeFits& fits_;
     const FaceTrims trims_;
     IdVector<FaceId, std::vector<TrimmedPatch>> surfaces_;
-    IdVector<FaceId, double> roundings_;  // of their control points
-    std::map<FaceId, Cut> cuts_;          // of faces whose patches were not kept
-    std::vector<EdgeId> bent_;            // conics with a trim that turns so far that a weight is too small
+    IdVector<EdgeId, std::array<double, 2>> roundings_;  // of both faces' control points, beside the edge
+    std::map<FaceId, Cut> cuts_;                         // of faces whose patches were not kept
+    std::vector<EdgeId> bent_;  // conics with a trim that turns so far that a weight is too small
     std::uint32_t seams_ = 0;
 };
 
