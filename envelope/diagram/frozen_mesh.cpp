@@ -1,6 +1,8 @@
 #include "frozen_mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -72,6 +74,25 @@ private:
     std::vector<Index> first_, outer_;
 };
 
+Interval height_at(const Heights& heights, const LabelledMesh::Vertex& v, FormId form) {
+    const Interval x = Interval::ball(v.x, v.error), y = Interval::ball(v.y, v.error);
+    return heights.value(form, x, y) * heights.scale(x, y);
+}
+
+// The forms of the faces around a vertex are equal there: the one whose coefficients cancel least tells the
+// height best, where the first one leaves few digits.
+void tell_height(const Heights& heights, const LabelledMesh::Vertex& v, std::span<const FormId> forms,
+                 MinimizationDiagram::Vertex& to) {
+    constexpr double enough_digits = 0x1p-44;
+    for (const FormId f : forms) {
+        if (to.height_error <= enough_digits * std::abs(to.height)) return;
+        const Interval height = height_at(heights, v, f);
+        if (!(height.radius() < to.height_error)) continue;
+        to.height = height.mid();
+        to.height_error = height.radius();
+    }
+}
+
 }  // namespace
 
 MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside, const Heights& heights) {
@@ -102,8 +123,7 @@ MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside,
         const LabelledMesh::Vertex& from = vertices[v];
         double size = from.height, off = from.height_error;
         if (from.lowest.valid()) {
-            const Interval x = Interval::ball(from.x, from.error), y = Interval::ball(from.y, from.error);
-            const Interval height = heights.value(from.lowest, x, y) * heights.scale(x, y);
+            const Interval height = height_at(heights, from, from.lowest);
             size = height.mid();
             off = height.radius();
         }
@@ -182,12 +202,17 @@ MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside,
         if (!vertices[v].alive) continue;
         label.clear();
         sides.clear();
-        if (vertices[v].ties != none) label = mesh.ties(vertices[v].ties);
         if (vertices[v].out != none)
             mesh.for_leaving(vertices[v].out, [&](Index h) {
                 if (mesh.left_of(h).valid()) label.push_back(mesh.left_of(h));
                 if (edges[h >> 1].side != UINT32_MAX) sides.push_back(edges[h >> 1].side);
             });
+        if (vertices[v].lowest.valid())
+            tell_height(heights, vertices[v], label, out.vertices[VertexId{vertex_map[v]}]);
+        if (vertices[v].ties != none) {
+            const auto& ties = mesh.ties(vertices[v].ties);
+            label.insert(label.end(), ties.begin(), ties.end());
+        }
         sort_unique(label);
         sort_unique(sides);
         out.vertex_labels_.insert(out.vertex_labels_.end(), label.begin(), label.end());

@@ -228,28 +228,44 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     return distance + 4 * rest;
 }
 
-// Along a ray of direction u (w) n.(p, t) has the slope (k - n_y y) / t =: s, over a sphere k / t. Where the
-// direction changes by d, t changes by t |d| / |s| at most; where the height does, by |n_y| / |s| of that.
-double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart) {
-    double most = 0;
+// Of what n has across the ray no more than 1 is known over a sphere. Over a cylinder the bound with a is
+// taken where it is the less: quotients of two polynomials are asked for, of which t is positive, and lengths
+// of such, which along a span are no more, or no less, than in the control points. Patches reach 2 to each
+// side at most, so that 1 + 2 h < 5.
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart, double off) {
+    double most = 0, along_needle = 0;
     if (chart.is_sphere()) {
         for (const ConicSpan& span : spans)
             most = std::max({most, span.from.w(), span.middle.w() / span.weight, span.to.w()});
         const double least = std::abs(plane.k) * (1 - conic_rounding);
         return least > 0 ? 1 + most / least : infinity;
     }
+    constexpr double of_direction = 5;
+    const double x = plane.normal.x(), axial = plane.normal.y(), z = plane.normal.z();
     for (const ConicSpan& span : spans) {
+        double slope = infinity, across = 0, near = infinity;
         bool is_turned = false;  // at the first point
         for (const Vector4d* X : {&span.from, &span.middle, &span.to}) {
-            const double reach = plane.normal.y() * X->y(),
-                         at_axis = X == &span.middle ? span.weight * plane.k : plane.k, k = at_axis - reach,
+            const double weight = X == &span.middle ? span.weight : 1, t = X->w();
+            const double reach = axial * X->y(), at_axis = weight * plane.k, k = at_axis - reach,
                          least = std::abs(k) - conic_rounding * (std::abs(at_axis) + std::abs(reach));
             if (X == &span.from) is_turned = !(k > 0);
             if (!(least > 0 && (k > 0) != is_turned)) return infinity;
-            most = std::max(most, X->w() / least);
+            most = std::max(most, t / least);
+            slope = std::min(slope, least / t);
+            across = std::max(across, (std::abs(x * X->z() - z * X->x()) +
+                                       conic_rounding * (std::abs(X->x()) + std::abs(X->z()))) /
+                                          t);
+            near = std::min(near, t / weight);
         }
+        const double turn = of_direction * off / near, most_across = across + 0.5 * turn,
+                     least_slope = slope - most_across * turn;
+        along_needle =
+            std::max(along_needle, least_slope > 0 && near > 0
+                                       ? std::hypot(axial, of_direction * most_across) / least_slope
+                                       : infinity);
     }
-    return 1 + most;
+    return std::min(1 + most, of_direction + along_needle);
 }
 
 double trim_distance(const RadialPatch& patch, const ConicSpan& span, const ConicTrim& trim) {

@@ -26,7 +26,16 @@
 /// Residuals are bounded by their Bernstein coefficients, over those of the weights. A trim's point on its
 /// patch is compared with the space curve in the same way, coefficient by coefficient; where rays do not
 /// graze the bisector there is a cheaper bound, as parameters depend on directions and heights only: seen
-/// along the rays a bisector turns an error by no more than ray_gain().
+/// along the rays a bisector takes an error times ray_gain() at most.
+///
+/// *Along rays.* On the ray of direction u a plane is met at t = (k - n_y y) / s, s = n.(u, 1), over a sphere
+/// without y. Over a cylinder, where the direction turns to u' = u + d, n.d is no more than m = (a + |d| / 2)
+/// |d| with a the length of what n has across u, and
+///     t' - t = -(n_y (y' - y) + t n.d) / (s + n.d).
+/// A trim's direction is the curve's but for what |p| and t differ there by, times the tangent h of half the
+/// angle from its patch's middle: an error e of the curve is |y' - y| and t |d| / (1 + 2 h) together at most.
+/// So |t' - t| <= e |(n_y, (1 + 2 h) (a + |d| / 2))| / (|s| - m). Of a needle, which all but lies along its
+/// rays, a is small where s is.
 #pragma once
 
 #include <Eigen/Core>
@@ -58,9 +67,9 @@ inline constexpr Chart around_axis{BaseShape::Cylinder};
 double conic_distance(std::span<const ConicSpan> spans, const std::array<DistancePlane, 2>& planes,
                       Chart chart, double blur = 0);
 
-/// By which factor an error across the rays may grow on the bisector of this plane, all along the spans;
-/// infinite where they reach its points at infinity.
-double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart);
+/// By which factor an error of the curve, `off` at most, may grow on the bisector of this plane, all along
+/// the spans; infinite where they, or what is so far from them, reach its points at infinity.
+double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart, double off);
 
 /// |S(c) - C| for a span C of the curve and its trim c on a patch S of total degree two (over a sphere base:
 /// all but AboutObject). Infinite where that is not proved. Pre: the trim's degree is two.

@@ -58,7 +58,7 @@ double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<Di
         if (!planes) planes = equations_.planes(e);
         // Rays that graze the bisector tell little of where a point of it is.
         constexpr double grazing = 64;
-        const double gain = ray_gain(along, (*planes)[side], of_.problem.chart);
+        const double gain = ray_gain(along, (*planes)[side], of_.problem.chart, off);
         double trim = (1 + gain) * off;
         if (gain > grazing && is_circular) trim = std::min(trim, trim_distance_of(e, side, along));
         most = std::max(most, trim);
