@@ -298,6 +298,14 @@ TEST_CASE("errors: hostile touching tubes: integrals begin where distances are b
     }
 }
 
+TEST_CASE(
+    "errors: hostile slits: integrals along a tube begin next to the face, not at one of its vertices") {
+    const Measures m = hostile("line_beside_ball_between_planes").measures;
+    CHECK(m.volume_error < 1e-9);
+    CHECK(std::abs(m.volume - 1.863386) < 1e-6);
+    CHECK(m.area_error < 1e-4);
+}
+
 TEST_CASE("errors: hostile needles: areas state what is rounded, not the sizes of all that is around") {
     for (const char* name : {"point_touches_tube", "tube_touches_point"}) {
         CAPTURE(name);
@@ -305,6 +313,22 @@ TEST_CASE("errors: hostile needles: areas state what is rounded, not the sizes o
         for (const CellFace& face : cell.faces) CHECK(face.area_error < 1e-4);
         CHECK(cell.measures.volume_error < 1e-9);
     }
+}
+
+TEST_CASE("errors: hostile slits: a needle takes errors across its rays as far as it leans against them") {
+    for (const char* name : {"slit_along_tube", "narrow_slit_along_tube"}) {
+        CAPTURE(name);
+        const Cell cell = hostile(name);
+        check_errors(cell);
+        for (const CellEdge& e : cell.edges)
+            if (e.kind == CurveKind::Line) CHECK(e.error < 1e-7);
+    }
+}
+
+TEST_CASE("errors: hostile slits: edges state what their faces' patches lose beside them, not elsewhere") {
+    const Cell cell = hostile("slit_beside_ball");
+    CHECK(largest_edge_error(cell) > 1e-4);
+    CHECK(std::ranges::count_if(cell.edges, [](const CellEdge& e) { return e.error > 2e-5; }) == 2);
 }
 
 TEST_CASE("errors: hostile contact: along an edge gradients may turn thousands of times by their length") {
