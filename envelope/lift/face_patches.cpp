@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -57,8 +56,10 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
             patches_.push_back({});
             if (is_vessel(object) && !is_in_ball)
                 add_in_vessel(face);
-            else
-                patches_[face] = RadialPatch(problem_, form, is_in_ball ? clear_pole(face) : middle(face), 0);
+            else if (!is_in_ball)
+                patches_[face] = RadialPatch(problem_, form, middle(face), 0);
+            else if (!change_in_sphere(face))
+                patches_[face] = RadialPatch(problem_, form, clear_pole(face), 0);
         } else {
             patches_.push_back({});
             add_around_cylinder(face);
@@ -107,15 +108,16 @@ std::vector<Vec3> FacePatches::poles(FaceId face) const {
     return clear;
 }
 
-// About the pole from which the face needs the lowest degree.
+// About the pole from which the face is the smallest, which takes the lowest degree: the face's middle, as
+// far as its edges' ends tell that, may be next to where it ends.
 bool FacePatches::change_in_sphere(FaceId face) {
-    int lowest = std::numeric_limits<int>::max();
+    if (loops_[face].empty()) return false;
+    double smallest = infinity;
     for (const Vec3& pole : poles(face)) {
         const RadialPatch patch(problem_, diagram_.face_forms[face], pole, 0);
-        Rectangle box = no_rectangle;
+        double size = 0;
         const auto extend_by = [&](const Vec3& p) {
-            const Vec2 uv = patch.parameters(p);
-            extend_by_rectangle(box, {{{uv.x(), uv.x()}, {uv.y(), uv.y()}}});
+            size = std::max(size, patch.parameters(p).cwiseAbs().maxCoeff());
         };
         loops_.around(face, [&](EdgeId e, bool) {
             for (const ConicSpan& s : curves_.conics(e)) {
@@ -125,13 +127,11 @@ bool FacePatches::change_in_sphere(FaceId face) {
             if (curves_.has_ends(e)) extend_by(curves_.from(e).head<3>());
             for (const auto& piece : diagram_.pieces(e)) extend_by(problem_.chart.normal(piece.end));
         });
-        double rounding = 0;
-        const auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
-        if (!surface || surface->degree_u >= lowest) continue;
-        lowest = surface->degree_u;
+        if (!(size < smallest)) continue;
+        smallest = size;
         patches_[face] = patch;
     }
-    return lowest < std::numeric_limits<int>::max();
+    return smallest < infinity;
 }
 
 // By a margin, so that doubles can tell.
