@@ -228,10 +228,10 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     return distance + 4 * rest;
 }
 
-// Of what n has across the ray no more than 1 is known over a sphere. Over a cylinder the bound with a is
-// taken where it is the less: quotients of two polynomials are asked for, of which t is positive, and lengths
-// of such, which along a span are no more, or no less, than in the control points. Patches reach 2 to each
-// side at most, so that 1 + 2 h < 5.
+// No more is known over a sphere of what n has across the ray than that it is at most 1. Over a cylinder the
+// bound with a is taken where it is the less: quotients of two polynomials are asked for, of which t is
+// positive, and lengths of such, which along a span are no more, or no less, than in the control points.
+// Patches reach 2 to each side at most, so that 1 + 2 h < 5.
 double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart, double off) {
     double most = 0, along_needle = 0;
     if (chart.is_sphere()) {

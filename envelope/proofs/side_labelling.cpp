@@ -226,7 +226,7 @@ bool SideLabelling::are_one_along(const SideLine& line, double s0, double s1, Fo
     return true;
 }
 
-// Of forms that are one function along a side of the region, from s0 to s1, leaves out those that rise above
+// The forms are one function along a side of the region, from s0 to s1. This leaves out those that rise above
 // others of them towards the inside all along the part from t0 to t1. Is anything left out?
 template <class Forms>
 bool SideLabelling::leave_lowest_inside(const SideLine& line, double s0, double s1, double t0, double t1,

@@ -9,8 +9,8 @@
 
 namespace vcell {
 
-// Without the forms that are lowest nowhere in the piece but for touching the trisector of two others in a
-// vertex, or in a lens on it.
+// This leaves out the forms that are lowest nowhere in the piece but for touching the trisector of two others
+// in a vertex, or in a lens on it.
 bool TouchJoin::join() {
     struct Touch {
         MixedPiece::Vertex vertex;

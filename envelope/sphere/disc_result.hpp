@@ -22,7 +22,7 @@ class DiscResult : protected DiscMarks {
 protected:
     using DiscMarks::DiscMarks;
 
-    // Of the direction in which the form is lowest, on a path.
+    // Forms follow each other along a path by the directions in which they are lowest.
     static double place_on_path(const Linear& form) {
         return form.b.isZero(0) ? 0 : octree_path(-form.b / form.slope);
     }
