@@ -56,10 +56,10 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
             patches_.push_back({});
             if (is_vessel(object) && !is_in_ball)
                 add_in_vessel(face);
-            else if (!is_in_ball)
+            else if (is_in_ball && !loops_[face].empty())
+                add_in_sphere(face);
+            else
                 patches_[face] = RadialPatch(problem_, form, middle(face), 0);
-            else if (!change_in_sphere(face))
-                patches_[face] = RadialPatch(problem_, form, clear_pole(face), 0);
         } else {
             patches_.push_back({});
             add_around_cylinder(face);
@@ -79,14 +79,6 @@ Vec3 FacePatches::middle(FaceId face) const {
 
 // A face of an ellipsoid may reach all around the base. The direction of a stereographic patch that it lacks
 // is one in which another form is nearest.
-Vec3 FacePatches::clear_pole(FaceId face) const {
-    if (loops_[face].empty()) return middle(face);
-    const std::vector<Vec3> all = poles(face);
-    if (!all.empty()) return all.front();
-    throw UndecidedError("object " + to_string(problem_.sites[diagram_.face_forms[face]].front()) +
-                         ": no direction is found that its face leaves to others");
-}
-
 std::vector<Vec3> FacePatches::poles(FaceId face) const {
     const FormId form = diagram_.face_forms[face];
     std::vector<Vec3> all{middle(face)};
@@ -110,8 +102,7 @@ std::vector<Vec3> FacePatches::poles(FaceId face) const {
 
 // About the pole from which the face is the smallest, which takes the lowest degree: the face's middle, as
 // far as its edges' ends tell that, may be next to where it ends.
-bool FacePatches::change_in_sphere(FaceId face) {
-    if (loops_[face].empty()) return false;
+void FacePatches::add_in_sphere(FaceId face) {
     double smallest = infinity;
     for (const Vec3& pole : poles(face)) {
         const RadialPatch patch(problem_, diagram_.face_forms[face], pole, 0);
@@ -131,7 +122,9 @@ bool FacePatches::change_in_sphere(FaceId face) {
         smallest = size;
         patches_[face] = patch;
     }
-    return smallest < infinity;
+    if (smallest == infinity)
+        throw UndecidedError("object " + to_string(problem_.sites[diagram_.face_forms[face]].front()) +
+                             ": no direction is found that its face leaves to others");
 }
 
 // By a margin, so that doubles can tell.
@@ -160,11 +153,11 @@ bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
         change_and_cut(face);
         return true;
     }
+    // There is no smaller one in a sphere.
+    if (std::holds_alternative<HollowSphere>(problem_.objects[diagram_.face_forms[face]])) return false;
     wide_.resize(patches_.size());
     if (wide_[face]) return false;
     wide_[face] = true;
-    if (std::holds_alternative<HollowSphere>(problem_.objects[diagram_.face_forms[face]]))
-        return change_in_sphere(face);
     patches_[face] = RadialPatch(problem_, diagram_.face_forms[face], middle(face), 0, true);
     return true;
 }

@@ -69,8 +69,7 @@ public:
 
 private:
     std::vector<Vec3> poles(FaceId face) const;
-    Vec3 clear_pole(FaceId face) const;
-    bool change_in_sphere(FaceId face);
+    void add_in_sphere(FaceId face);
     bool is_owned_by_others(FormId form, const Vec3& direction, bool asks_tubes) const;
     RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
     void add_in_vessel(FaceId face);

@@ -20,7 +20,7 @@ double depth_in_holder(const Sphere& ball);
 /// have a cell.
 std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
                                      const ImageTree& balls);
-/// The same of objects that are no balls, which no balls hide, where it is not said yet.
+/// Says why objects that are no balls have no cell, where it is not said yet: balls hide none of them.
 void hide_others(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
                  std::vector<std::string>& hidden);
 

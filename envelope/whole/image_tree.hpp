@@ -129,7 +129,7 @@ public:
                 });
             });
     }
-    /// The same for balls that may touch the cell that the bound is of: a CellBound, or CellMarks.
+    /// Calls visit for balls, images included, that may touch a cell: the bound is a CellBound, or CellMarks.
     template <class Bound, class Visit>
     void touching(const Bound& bound, Visit&& visit) const {
         if (tree_.entries().empty()) return;

@@ -189,8 +189,8 @@ struct CylinderForms {
         hollow.a0 = -(n * N);
         return hollow;
     }
-    // The same with an axis that turns with that of the base to (0, +-rim, 0), |axis| being 1 then, in
-    // lengths that are times T.
+    // The cone's axis turns with that of the base to (0, +-rim, 0), |axis| being 1 then, in lengths that are
+    // times T.
     RadialForm hollow_along_base(const ConeForm& f) const {
         const ExactVector D = ExactVector(frame.origin) - f.apex;
         const Exact length2 = dot(f.axis, f.axis), T = frame.norm * length2, &g = f.slant, N = f.rim * f.rim;

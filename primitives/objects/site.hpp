@@ -13,7 +13,7 @@ namespace vcell {
 struct Site {
     enum class Kind : std::uint8_t { Object, Base, BoxSide, End, Cap };
 
-    /// Of the object that a cap is where a scene is decided about (decided_scene.hpp).
+    /// A cap has this number where a scene is decided about: it is an object there (decided_scene.hpp).
     static constexpr std::uint32_t number_of_cap = UINT32_MAX;
 
     Kind kind = Kind::Base;

@@ -581,7 +581,7 @@ TEST_CASE("tubes in vessels: bisectors are named by what objects are to each oth
                 CHECK(f.bisector == name);
             }
             CHECK(faces > 0);
-            // Of a cone along the tube, at the height h over the apex, t = h tan - (t - R0) / cos.
+            // A cone along the tube has t = h tan - (t - R0) / cos at the height h over the apex.
             const auto* cone = std::get_if<HollowCone>(&object);
             if (cone == nullptr || name == "quartic") continue;
             const double sine = cone->sine(), cosine = cone->cosine();

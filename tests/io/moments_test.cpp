@@ -174,7 +174,7 @@ TEST_CASE("moments: a ball's cap of which another ball leaves next to all") {
         for (const CellFace& f : cell.faces)
             for (const TrimmedPatch& p : f.patches) degree = std::max(degree, p.surface.degree_u);
         CHECK((degree > 8) == (h > 1.25));
-        // Of the discs of radius sqrt(a - x^2) from -2 to h.
+        // The cell is made of discs of radius sqrt(a - x^2) from -2 to h.
         const double a = 4, from = -2;
         const auto between = [&](const auto& integral) { return integral(h) - integral(from); };
         const double pi = std::numbers::pi;
