@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "../core/numbers/wide_interval.hpp"
+#include "../core/numbers/wide.hpp"
 #include "cell.hpp"
 
 namespace vcell {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "../../core/ids.hpp"
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "../../core/partition.hpp"
 #include "exact_points.hpp"
 

@@ -16,7 +16,7 @@
 #include "../../core/curves/circular_form.hpp"
 #include "../../core/numbers/enclosure.hpp"
 #include "../../core/numbers/interval.hpp"
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 
 namespace vcell {
 

@@ -5,7 +5,7 @@
 
 #include "exact.hpp"
 #include "interval.hpp"
-#include "wide_interval.hpp"
+#include "wide.hpp"
 
 namespace vcell {
 

@@ -8,6 +8,14 @@
 
 namespace vcell {
 
+Exact::Exact() = default;
+Exact::Exact(const Exact& other) = default;
+Exact::Exact(Exact&& other) noexcept = default;
+Exact& Exact::operator=(const Exact& other) = default;
+Exact& Exact::operator=(Exact&& other) noexcept = default;
+Exact::~Exact() = default;
+Exact::Exact(Integer m, long e) : m_(std::move(m)), e_(e) {}
+
 Exact::Exact(double value) {
     assert(std::isfinite(value));
     if (value == 0) return;
@@ -30,6 +38,12 @@ Exact Exact::sum(const Exact& a, const Exact& b, bool subtract) {
     if (b.e_ > e) y <<= static_cast<unsigned>(b.e_ - e);
     return Exact(subtract ? Integer(x - y) : Integer(x + y), e);
 }
+
+Exact operator-(const Exact& a) { return Exact(Exact::Integer(-a.m_), a.e_); }
+Exact operator+(const Exact& a, const Exact& b) { return Exact::sum(a, b, false); }
+Exact operator-(const Exact& a, const Exact& b) { return Exact::sum(a, b, true); }
+Exact operator*(const Exact& a, const Exact& b) { return Exact(Exact::Integer(a.m_ * b.m_), a.e_ + b.e_); }
+Exact Exact::scaled(long power) const { return Exact(m_, e_ + power); }
 
 long Exact::exponent() const {
     assert(!m_.is_zero());

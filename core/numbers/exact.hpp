@@ -16,20 +16,26 @@ namespace vcell {
 
 /// m * 2^e, exact. Sums of numbers with very different exponents grow to the spread of the
 /// exponents: a few thousand bits at the very worst for doubles of the allowed input range.
+///
+/// Nothing of it is inline: a compiler that sees integers of any length copied and multiplied in every file
+/// spends a tenth of a build on them.
 class Exact {
 public:
-    Exact() = default;
+    Exact();
+    Exact(const Exact& other);
+    Exact(Exact&& other) noexcept;
+    Exact& operator=(const Exact& other);
+    Exact& operator=(Exact&& other) noexcept;
+    ~Exact();
     /// Exact. Pre: value is finite.
     Exact(double value);  // NOLINT: every double is exact
 
     Sign sign() const { return static_cast<Sign>(m_.sign()); }
 
-    friend Exact operator-(const Exact& a) { return Exact(Integer(-a.m_), a.e_); }
-    friend Exact operator+(const Exact& a, const Exact& b) { return sum(a, b, false); }
-    friend Exact operator-(const Exact& a, const Exact& b) { return sum(a, b, true); }
-    friend Exact operator*(const Exact& a, const Exact& b) {
-        return Exact(Integer(a.m_ * b.m_), a.e_ + b.e_);
-    }
+    friend Exact operator-(const Exact& a);
+    friend Exact operator+(const Exact& a, const Exact& b);
+    friend Exact operator-(const Exact& a, const Exact& b);
+    friend Exact operator*(const Exact& a, const Exact& b);
     Exact& operator+=(const Exact& o) { return *this = *this + o; }
     Exact& operator-=(const Exact& o) { return *this = *this - o; }
     Exact& operator*=(const Exact& o) { return *this = *this * o; }
@@ -39,7 +45,7 @@ public:
     /// floor(log2 |*this|). Pre: not zero.
     long exponent() const;
     /// *this * 2^power.
-    Exact scaled(long power) const { return Exact(m_, e_ + power); }
+    Exact scaled(long power) const;
     /// The tightest pair of doubles around the value; a single double when it is one.
     Interval enclosure() const;
     /// Enclosure of the non-negative square root, relative width about 2^-bits before rounding.
@@ -55,7 +61,7 @@ private:
                                                boost::multiprecision::unchecked,
                                                std::allocator<boost::multiprecision::limb_type>>,
         boost::multiprecision::et_off>;
-    Exact(Integer m, long e) : m_(std::move(m)), e_(e) {}
+    Exact(Integer m, long e);
     static Exact sum(const Exact& a, const Exact& b, bool subtract);
 
     Integer m_ = 0;

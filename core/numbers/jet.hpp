@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "interval.hpp"
-#include "wide_interval.hpp"
+#include "wide.hpp"
 
 namespace vcell {
 

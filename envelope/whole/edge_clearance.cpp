@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "../../core/numbers/exact.hpp"
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 
 namespace vcell::whole {
 

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "../../core/numbers/interval.hpp"
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "../../primitives/objects/scene.hpp"
 #include "../../primitives/objects/site.hpp"
 #include "containment.hpp"
@@ -495,5 +495,11 @@ private:
     mutable std::vector<std::pair<std::uint32_t, Surface<T>>> known_;  // of those asked for, elsewhere
     std::array<T, 2> stretch_;
 };
+
+// space.cpp compiles them, once.
+extern template struct Surface<Interval>;
+extern template struct Surface<Wide>;
+extern template class Space<Interval>;
+extern template class Space<Wide>;
 
 }  // namespace vcell::check

@@ -5,6 +5,11 @@
 
 namespace vcell {
 
+template class NormalsOfSphere<Interval>;
+template class NormalsOfSphere<Wide>;
+template class RadialNormals<Interval>;
+template class RadialNormals<Wide>;
+
 namespace {
 
 // The cylinder's numbers are doubles where these are exact.

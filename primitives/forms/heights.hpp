@@ -13,7 +13,7 @@
 
 #include "../../core/numbers/interval.hpp"
 #include "../../core/numbers/sign.hpp"
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "exact_heights.hpp"
 #include "form_family.hpp"
 #include "radial_height.hpp"

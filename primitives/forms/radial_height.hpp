@@ -509,4 +509,10 @@ private:
     QuadraticOf<T> along_axis_;
 };
 
+// heights.cpp compiles them, once.
+extern template class NormalsOfSphere<Interval>;
+extern template class NormalsOfSphere<Wide>;
+extern template class RadialNormals<Interval>;
+extern template class RadialNormals<Wide>;
+
 }  // namespace vcell

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "../../core/errors.hpp"
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "cell_checks.hpp"
 #include "test_support.hpp"

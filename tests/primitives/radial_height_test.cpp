@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "../../primitives/forms/radial_height.hpp"
 #include "../test_support.hpp"
 

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "../../numbers/interval.hpp"
-#include "../../numbers/wide_interval.hpp"
+#include "../../numbers/wide.hpp"
 
 namespace vcell {
 

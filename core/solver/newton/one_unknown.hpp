@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "../../numbers/interval.hpp"
-#include "../../numbers/wide_interval.hpp"
+#include "../../numbers/wide.hpp"
 
 namespace vcell {
 

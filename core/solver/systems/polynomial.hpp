@@ -9,7 +9,7 @@
 
 #include "../../numbers/interval.hpp"
 #include "../../numbers/jet.hpp"
-#include "../../numbers/wide_interval.hpp"
+#include "../../numbers/wide.hpp"
 
 namespace vcell {
 

@@ -5,7 +5,7 @@
 #include <concepts>
 
 #include "../../numbers/interval.hpp"
-#include "../../numbers/wide_interval.hpp"
+#include "../../numbers/wide.hpp"
 #include "../newton/box.hpp"
 #include "polynomial.hpp"
 

@@ -4,11 +4,11 @@
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "../../core/numbers/wide_interval.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "../test_support.hpp"
 #include "hostile.hpp"
 
-namespace vcell::wide_interval_test {
+namespace vcell::wide_test {
 using Rational = boost::multiprecision::cpp_rational;
 using Integer = boost::multiprecision::cpp_int;
 
@@ -197,4 +197,4 @@ TEST_CASE("wide interval: mid lies within, exponents bound what they name") {
     CHECK(third == 1.0 / 3.0);
 }
 
-}  // namespace vcell::wide_interval_test
+}  // namespace vcell::wide_test
