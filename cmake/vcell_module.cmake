@@ -30,7 +30,9 @@ function(vcell_module name)
   endif()
 endfunction()
 
-# With VCELL_UNITY the target's sources are compiled eight at a time, so names in their anonymous namespaces must differ.
+# With VCELL_UNITY the target's sources are compiled eight at a time, so names in their anonymous namespaces must differ,
+# and a template there that takes anything must not have the name of a function in a header: it would hide that one from
+# the sources behind.
 function(vcell_in_eights target)
   vcell_together(${target} 8)
 endfunction()

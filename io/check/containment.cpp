@@ -35,11 +35,11 @@ bool fits(const Exact& squared, double outer, double inner, const Exact& scale) 
     return room.sign() != Sign::Negative && (room * room * scale - squared).sign() != Sign::Negative;
 }
 
-bool contains(const Sphere& holder, const Sphere& held) {
+bool surrounds(const Sphere& holder, const Sphere& held) {
     const Vector<Exact> way = from(holder.center, held.center);
     return fits(dot(way, way), holder.radius, held.radius, 1.0);
 }
-bool contains(const Cylinder& holder, const Sphere& held) {
+bool surrounds(const Cylinder& holder, const Sphere& held) {
     if (!may_fit(held.center - holder.point, held.center.norm() + holder.point.norm(), holder.axis,
                  holder.radius - held.radius))
         return false;
@@ -47,22 +47,22 @@ bool contains(const Cylinder& holder, const Sphere& held) {
     return fits(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius,
                 dot(axis, axis));
 }
-bool contains(const Cylinder& holder, const Cylinder& held) {
-    return may_be_parallel(holder.axis, held.axis) && contains(holder, Sphere{held.point, held.radius}) &&
+bool surrounds(const Cylinder& holder, const Cylinder& held) {
+    return may_be_parallel(holder.axis, held.axis) && surrounds(holder, Sphere{held.point, held.radius}) &&
            squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero;
 }
-bool contains(const Plane& holder, const Sphere& held) {
+bool surrounds(const Plane& holder, const Sphere& held) {
     return held.radius == 0 &&
            may_be_orthogonal(holder.normal, held.center - holder.point,
                              held.center.norm() + holder.point.norm()) &&
            are_orthogonal(exact(holder.normal), from(holder.point, held.center));
 }
-bool contains(const Plane& holder, const Cylinder& held) {
-    return contains(holder, Sphere{held.point, held.radius}) &&
+bool surrounds(const Plane& holder, const Cylinder& held) {
+    return surrounds(holder, Sphere{held.point, held.radius}) &&
            are_orthogonal(exact(holder.normal), exact(held.axis));
 }
-bool contains(const Plane& holder, const Plane& held) {
-    return contains(holder, Sphere{held.point, 0}) &&
+bool surrounds(const Plane& holder, const Plane& held) {
+    return surrounds(holder, Sphere{held.point, 0}) &&
            squared_sine(exact(holder.normal), exact(held.normal)).sign() == Sign::Zero;
 }
 /// What lies beyond a vessel's wall is within what the wall is made of.
@@ -70,45 +70,45 @@ bool reaches(const Exact& squared, double radius, double other, const Exact& sca
     const Exact reach = Exact(radius) + Exact(other);
     return (squared - reach * reach * scale).sign() != Sign::Negative;
 }
-bool contains(const HollowSphere& holder, const Sphere& held) {
+bool surrounds(const HollowSphere& holder, const Sphere& held) {
     const Vector<Exact> way = from(holder.center, held.center);
     return reaches(dot(way, way), holder.radius, held.radius, 1.0);
 }
-bool contains(const HollowCylinder& holder, const Sphere& held) {
+bool surrounds(const HollowCylinder& holder, const Sphere& held) {
     const Vector<Exact> axis = exact(holder.axis);
     return reaches(squared_sine(from(holder.point, held.center), axis), holder.radius, held.radius,
                    dot(axis, axis));
 }
-bool contains(const HollowCylinder& holder, const Cylinder& held) {
-    return may_be_parallel(holder.axis, held.axis) && contains(holder, Sphere{held.point, held.radius}) &&
+bool surrounds(const HollowCylinder& holder, const Cylinder& held) {
+    return may_be_parallel(holder.axis, held.axis) && surrounds(holder, Sphere{held.point, held.radius}) &&
            squared_sine(exact(holder.axis), exact(held.axis)).sign() == Sign::Zero;
 }
-bool contains(const HollowSphere& holder, const Cylinder& held) {
+bool surrounds(const HollowSphere& holder, const Cylinder& held) {
     const Vector<Exact> axis = exact(held.axis);
     return reaches(squared_sine(from(held.point, holder.center), axis), holder.radius, held.radius,
                    dot(axis, axis));
 }
-bool contains(const HollowSphere& holder, const Plane& held) {
+bool surrounds(const HollowSphere& holder, const Plane& held) {
     const Vector<Exact> normal = exact(held.normal);
     const Exact height = dot(normal, from(held.point, holder.center));
     return reaches(height * height, holder.radius, 0, dot(normal, normal));
 }
-bool contains(const HollowCylinder& holder, const Plane& held) {
+bool surrounds(const HollowCylinder& holder, const Plane& held) {
     return are_orthogonal(exact(held.normal), exact(holder.axis)) &&
-           contains(HollowSphere{holder.point, holder.radius}, held);
+           surrounds(HollowSphere{holder.point, holder.radius}, held);
 }
-bool contains(const HollowSphere& holder, const HollowSphere& held) {
+bool surrounds(const HollowSphere& holder, const HollowSphere& held) {
     const Vector<Exact> way = from(holder.center, held.center);
     return fits(dot(way, way), held.radius, holder.radius, 1.0);
 }
-bool contains(const HollowSphere& holder, const HollowCylinder& held) {
+bool surrounds(const HollowSphere& holder, const HollowCylinder& held) {
     const Vector<Exact> axis = exact(held.axis);
     return fits(squared_sine(from(held.point, holder.center), axis), held.radius, holder.radius,
                 dot(axis, axis));
 }
-bool contains(const HollowCylinder& holder, const HollowCylinder& held) {
-    return contains(Cylinder{held.point, held.axis, held.radius},
-                    Cylinder{holder.point, holder.axis, holder.radius});
+bool surrounds(const HollowCylinder& holder, const HollowCylinder& held) {
+    return surrounds(Cylinder{held.point, held.axis, held.radius},
+                     Cylinder{holder.point, holder.axis, holder.radius});
 }
 /// With D the way from the apex, b the axis, B = |b|^2 and r / s the sine of half the angle the distance of a
 /// point from a cone's wall is -rho or more where r D.b + s rho sqrt B and
@@ -124,15 +124,15 @@ Sign room(const HollowCone& cone, const Vec3& point, const Exact& rho) {
         OneRoot{s * s * along * along + B * r_rho * r_rho - B * (s * s - r * r) * (dot(D, D) - rho * rho),
                 2.0 * s * along * r_rho, B});
 }
-bool contains(const HollowCone& holder, const Sphere& held) {
+bool surrounds(const HollowCone& holder, const Sphere& held) {
     return room(holder, held.center, held.radius) != Sign::Positive;
 }
-bool contains(const HollowSphere& holder, const HollowCone& held) {
+bool surrounds(const HollowSphere& holder, const HollowCone& held) {
     return room(held, holder.center, -Exact(holder.radius)) != Sign::Negative;
 }
 /// The narrower one's apex is within the wider one, and the angle between the axes is no more than the
 /// difference of half their angles.
-bool contains(const HollowCone& holder, const HollowCone& held) {
+bool surrounds(const HollowCone& holder, const HollowCone& held) {
     const Exact r(held.radius), s(held.slant), p(holder.radius), q(holder.slant);
     if ((r * q - p * s).sign() == Sign::Negative || room(held, holder.apex, Exact()) == Sign::Negative)
         return false;
@@ -144,7 +144,7 @@ bool contains(const HollowCone& holder, const HollowCone& held) {
                         cosines}) != Sign::Negative;
 }
 template <class Holder, class Held>
-bool contains(const Holder&, const Held&) {
+bool surrounds(const Holder&, const Held&) {
     return false;
 }
 
@@ -172,7 +172,7 @@ bool is_behind(const Plane&, const Vessel&) {
 }  // namespace
 
 bool contains(const Object& holder, const Object& held) {
-    return std::visit([](const auto& a, const auto& b) { return contains(a, b); }, holder, held);
+    return std::visit([](const auto& a, const auto& b) { return surrounds(a, b); }, holder, held);
 }
 
 bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side) {
