@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,7 @@ public:
         for (const Triangle& v : t_.triangles)
             for (const std::uint32_t i : v)
                 if (i >= inner_ && is_over(v)) move(i);
+        if (std::ranges::any_of(t_.triangles, [&](const Triangle& v) { return is_over(v); })) flip_folds();
         return {std::move(places_), std::move(normals_)};
     }
 
@@ -43,10 +46,15 @@ private:
         const auto [du2, dv2] = surface_.partials(p.x(), beside);
         return du2.cross(dv2).stableNormalized();
     }
-    bool is_over(const Triangle& v) const {
+    bool is_over(const Triangle& v) const { return extent(v) < 0; }
+    // Twice the triangle's area along its normals.
+    double extent(const Triangle& v) const {
         const Vec3 &a = places_[v[0]], &b = places_[v[1]], &c = places_[v[2]];
-        return (b - a).cross(c - a).dot(normals_[v[0]] + normals_[v[1]] + normals_[v[2]]) < 0;
+        const Vec3 n = normals_[v[0]] + normals_[v[1]] + normals_[v[2]];
+        return (b - a).cross(c - a).dot(n.stableNormalized());
     }
+    // What of it is turned over.
+    double folded(const Triangle& v) const { return std::max(0.0, -extent(v)); }
     void put(std::uint32_t i, const Vec2& p) {
         t_.points[i] = p;
         places_[i] = surface_.evaluate(p.x(), p.y());
@@ -69,10 +77,99 @@ private:
         put(i, from);
     }
 
+    // ---- Other diagonals
+
+    // A triangle that is lower than the surface bends along it may be turned over though it is not in the
+    // parameters. Pairs of triangles take the other diagonal, first where that makes them rounder in space
+    // and leaves no more of them turned over, then where it leaves less.
+    void flip_folds() {
+        for (std::uint32_t t = 0; t < t_.triangles.size(); ++t) enter(t);
+        flip_while([&](const Pair& pair) { return pair.gain >= 0 ? -cotangents(pair) : 0; });
+        flip_while([&](const Pair& pair) { return is_told(pair) ? pair.gain : 0; });
+    }
+
+    // Two triangles a, b, c and b, a, d, which become a, d, c and d, b, c.
+    struct Pair {
+        std::uint32_t first, second;
+        std::array<std::uint32_t, 4> corners;
+        double before, gain;  // what of them is turned over, and how much less of it there will be
+    };
+
+    static std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
+    void enter(std::uint32_t t) {
+        const Triangle& v = t_.triangles[t];
+        for (std::size_t k = 0; k < 3; ++k) sides_[key(v[k], v[(k + 1) % 3])] = t;
+    }
+    void leave(std::uint32_t t) {
+        const Triangle& v = t_.triangles[t];
+        for (std::size_t k = 0; k < 3; ++k) sides_.erase(key(v[k], v[(k + 1) % 3]));
+    }
+    // The triangle and the one beyond its side k. None where that is the polygon's, or where the other
+    // diagonal is a side already.
+    std::optional<Pair> pair_at(std::uint32_t t, std::size_t k) const {
+        const Triangle& v = t_.triangles[t];
+        const std::uint32_t a = v[k], b = v[(k + 1) % 3], c = v[(k + 2) % 3];
+        const auto beyond = sides_.find(key(b, a));
+        if (beyond == sides_.end() || beyond->second == t) return std::nullopt;
+        const Triangle& w = t_.triangles[beyond->second];
+        const std::uint32_t d = w[w[0] == a ? 1 : w[1] == a ? 2 : 0];
+        if (c == d || sides_.contains(key(c, d)) || sides_.contains(key(d, c))) return std::nullopt;
+        const double before = folded(v) + folded(w);
+        return Pair{t, beyond->second, {a, b, c, d}, before, before - folded({a, d, c}) - folded({d, b, c})};
+    }
+    // More than rounding makes of areas.
+    static bool is_told(const Pair& pair) {
+        constexpr double least = 0x1p-20;
+        return pair.gain > least * pair.before;
+    }
+    // Of the angles across the side, which add up to more than a straight one if it is negative (Delaunay).
+    double cotangents(const Pair& pair) const {
+        const auto& [a, b, c, d] = pair.corners;
+        const auto cotangent = [&](std::uint32_t at) {
+            const Vec3 p = places_[a] - places_[at], q = places_[b] - places_[at];
+            return p.dot(q) / p.cross(q).norm();
+        };
+        const double sum = cotangent(c) + cotangent(d);
+        constexpr double least = 0x1p-20;  // or pairs of four points on a circle would flip to and fro
+        return sum < -least ? sum : 0;
+    }
+    // As long as a pair's gain is above 0: of each triangle the pair that gains most.
+    template <class Gain>
+    void flip_while(const Gain& gain) {
+        std::vector<std::uint32_t> waiting(t_.triangles.size());
+        std::iota(waiting.begin(), waiting.end(), 0u);
+        constexpr std::size_t most_times = 64;  // a triangle is looked at; far more than it is
+        std::size_t left = most_times * waiting.size();
+        while (!waiting.empty() && left-- > 0) {
+            const std::uint32_t t = waiting.back();
+            waiting.pop_back();
+            std::optional<Pair> best;
+            double most = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::optional<Pair> pair = pair_at(t, k);
+                const double gained = pair ? gain(*pair) : 0;
+                if (!(gained > most)) continue;
+                most = gained;
+                best = pair;
+            }
+            if (!best) continue;
+            const auto& [a, b, c, d] = best->corners;
+            leave(best->first);
+            leave(best->second);
+            t_.triangles[best->first] = {a, d, c};
+            t_.triangles[best->second] = {d, b, c};
+            for (const std::uint32_t changed : {best->first, best->second}) {
+                enter(changed);
+                waiting.push_back(changed);
+            }
+        }
+    }
+
     const RationalPatch& surface_;
     std::size_t inner_;
     Triangulation& t_;
     std::vector<Vec3> places_, normals_;
+    std::unordered_map<std::uint64_t, std::uint32_t> sides_;  // whose triangle has a side in this direction
 };
 
 /// A corner of a triangle of the mesh.

@@ -17,7 +17,9 @@ struct PlacedPoints {
 /// Places t's points, which are parameters of the patch, and moves those inside the polygon that turn a
 /// triangle over. Such a point is beyond a side of the polygon in space, as far as the side's chord allows;
 /// it moves towards the middle of its neighbours until none of its triangles is turned over, or stays where
-/// no place on the way is better. `polygon`: where the polygon's points are in space, the first ones of t.
+/// no place on the way is better. Pairs of triangles of which some are turned over then take the other
+/// diagonal, where that leaves less of them so. `polygon`: where the polygon's points are in space, the first
+/// ones of t.
 PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polygon, Triangulation& t);
 
 /// Where faces on both sides of a line cut off the same corner of it, one side in space is two of the mesh:

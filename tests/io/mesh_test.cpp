@@ -425,6 +425,38 @@ TEST_CASE("mesh: chords that cross those beside them are halved, and no more oft
     }
 }
 
+TEST_CASE("mesh: triangles in needles and slits are not turned over") {
+    // Seen along the normals in all of their corners, which agree.
+    const auto folded_area = [](const CellMesh& mesh) {
+        double area = 0;
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const Triangle &t = mesh.triangles[i], &n = mesh.corner_normals[i];
+            const Vec3 across =
+                (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+            bool is_over = true;
+            for (std::size_t k = 0; k < 3; ++k)
+                is_over = is_over && across.dot(mesh.normals[n[k]]) < -1e-3 * across.norm() &&
+                          mesh.normals[n[k]].dot(mesh.normals[n[(k + 1) % 3]]) > 0.5;
+            if (is_over) area += 0.5 * across.norm();
+        }
+        return area;
+    };
+    const auto mesh_of = [](const std::string& name, double chord) {
+        const Cell cell = voronoi_cell(read_scene(test_data("hostile/" + name + ".json")));
+        MeshOptions options;
+        options.chord = chord * cell_diagonal(cell);
+        options.closed = true;
+        return std::pair(tessellate(cell, options), cell.measures.area + cell.measures.box_area);
+    };
+    for (const char* name : {"far_corners", "tip_beside_side"}) {
+        CAPTURE(name);
+        CHECK(folded_area(mesh_of(name, 1e-3).first) <= 1e-14);
+    }
+    // Half of the slit was twofold.
+    const auto [slit, area] = mesh_of("slit_beside_ball", 1e-2);
+    CHECK(folded_area(slit) <= 1e-3 * area);
+}
+
 TEST_CASE("mesh: a rim that does not close is told") {
     Cell cell = paraboloid_cell();
     cell.faces[0].patches[0].loops[0].pop_back();
