@@ -7,12 +7,11 @@ int main(int, char** arguments) {
     const std::string folder = arguments[2];
     const vcell::Scene scene = vcell::read_scene(arguments[1]);
     const vcell::Cell cell = vcell::voronoi_cell(scene);
-    vcell::OutputFile json(folder + "/cell.json"), obj(folder + "/cell.obj");
-    vcell::write_cell(json.stream(), cell);
-    vcell::write_obj(obj.stream(), cell, vcell::tessellate(cell), "");
-    json.commit(), obj.commit();
+    const vcell::CellMesh mesh = vcell::tessellate(cell, {.closed = true});
+    vcell::write_file(folder + "/cell.json", cell);  // the format is the ending's: .step, .vtu, ...
+    vcell::write_file(folder + "/cell.obj", cell, &mesh);
 
-    const vcell::Certificate certificate = vcell::certify(vcell::read_cell(json.target()));
+    const vcell::Certificate certificate = vcell::certify(vcell::read_cell(folder + "/cell.json"));
     const auto answer = vcell::PointQuery(scene)((scene.box.min + scene.box.max) / 2);
     const vcell::DiagramScene all = vcell::read_diagram_scene(arguments[1]);
     const vcell::FilledVolume filled = vcell::filled_volume(all, vcell::voronoi_diagram(all));
