@@ -35,6 +35,11 @@ std::string cut_complaint(const std::string& text) {
     return is_known ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
 }
 
+std::string part_complaint(const std::string& text) {
+    const auto chord = to_chord(text);
+    return chord && chord->is_relative ? "" : fmt::format("must be like 0.2%, is {}", printable(text));
+}
+
 // One file of -o.
 struct DiagramPicture {
     OutputFile* file = nullptr;
@@ -114,6 +119,13 @@ DiagramCommand::DiagramCommand(CLI::App& app)
             "cut through them, .svg, or the cells themselves, .json; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
+    command_
+        .add_option(
+            "--chord", chord_,
+            "meshes: largest distance of a triangle side from the surface, as a part of the cell's diagonal")
+        ->check(part_complaint)
+        ->type_name("PART%")
+        ->capture_default_str();
     command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")
         ->check(cut_complaint)
         ->type_name("z=VALUE");
@@ -128,7 +140,11 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         "Files of balls are x y z r [name [group]] lines, PDB, mmCIF, XYZ, extended XYZ or a LAMMPS dump.\n"
         "Every cell is proved complete: no object that was left out can touch it. Prints the number of cells, what\n"
         "their volumes add up to and the box's volume. Tables are tab-separated, with error bounds. Exit status 3 if\n"
-        "a cell could not be decided; the others are in the tables all the same.");
+        "a cell could not be decided; the others are in the tables all the same.\n\n"
+        "Examples:\n"
+        "  vcell diagram tests/data/1CRN.xyzr --probe 1.4 --cells cells.tsv --contacts contacts.tsv\n"
+        "  vcell diagram tests/data/crambin_head.pdb --no-water --group residue --groups residues.tsv\n"
+        "  echo 0 0 0 1.1 | vcell diagram - --box 0 0 0 2 2 2 --periodic xyz --bodies -o cell.vtu");
 }
 
 static DiagramPicture open_picture(const std::string& name, const std::string& plane,
@@ -182,7 +198,7 @@ Status DiagramCommand::run() const {
     std::optional<VoidNetworkBuilder> network;
     if (voids) scene_.about([&] { network.emplace(scene); });
     std::optional<ConformingMeshes> meshes;
-    if (has_meshes) scene_.about([&] { meshes.emplace(scene); });
+    if (has_meshes) scene_.about([&] { meshes.emplace(scene, to_chord(chord_)->value); });
     {
         ProgressBar bar;
         DiagramOptions options;

@@ -21,7 +21,7 @@ public:
 private:
     CLI::App& command_;
     DiagramSceneArguments scene_;
-    std::string cells_, contacts_, groups_, network_, moments_, cut_;
+    std::string cells_, contacts_, groups_, network_, moments_, cut_, chord_ = "0.2%";
     std::vector<std::string> outputs_;
     bool bodies_ = false;
     ThreadsArgument threads_;

@@ -23,12 +23,12 @@ constexpr double joined_most = 0x1p-16;  // of the box's diagonal, far less than
 /// Draws one cell with what is known of it, and keeps what others may have.
 class Fitter : Finder {
 public:
-    Fitter(Store& store, std::uint32_t object, const Cell& cell, const WholeElements& whole)
+    Fitter(Store& store, std::uint32_t object, const Cell& cell, const WholeElements& whole, double chord)
         : Finder(store, object, cell, whole) {
-        constexpr double of_cell = 0.002, of_own = 0.005;
-        options_.chord = of_cell * cell_diagonal(cell);
+        constexpr double times_of_own = 2.5;
+        options_.chord = chord * cell_diagonal(cell);
         options_.closed = true;
-        options_.most_of_own = of_own;
+        options_.most_of_own = times_of_own * chord;
     }
 
     CellMesh mesh() {
@@ -215,13 +215,14 @@ class ConformingMeshes::Store : public shared::Store {
     using shared::Store::Store;
 };
 
-ConformingMeshes::ConformingMeshes(const DiagramScene& scene) : store_(std::make_unique<Store>(scene)) {}
+ConformingMeshes::ConformingMeshes(const DiagramScene& scene, double chord)
+    : store_(std::make_unique<Store>(scene)), chord_(chord) {}
 ConformingMeshes::~ConformingMeshes() = default;
 
 CellMesh ConformingMeshes::add(std::uint32_t object, const Cell& cell) {
     store_->pass_to(object);
     const auto mesh = [&](const Cell& of, const WholeElements& whole) {
-        return shared::Fitter(*store_, object, of, whole).mesh();
+        return shared::Fitter(*store_, object, of, whole, chord_).mesh();
     };
     CellMesh result;
     if (cell.parts.empty()) {

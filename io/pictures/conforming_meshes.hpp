@@ -24,16 +24,17 @@ namespace vcell {
 /// closed all the same. So it is where parts are not joined, and where cells are of different opinions about
 /// what is a vertex.
 ///
-/// A chord is a 500th of the diagonal of the cell that is drawn first, but no more than a 200th of the face's
-/// or the edge's own: so a large cell's face is fine enough for a small one beyond. Chords of edges that
-/// other cells have drawn are not refined, even where they cross: triangles may overlap there.
+/// A chord is the part `chord` of the diagonal of the cell that is drawn first, but no more than 2.5 times
+/// that part of the face's or the edge's own: so a large cell's face is fine enough for a small one beyond.
+/// Chords of edges that other cells have drawn are not refined, even where they cross: triangles may overlap
+/// there.
 ///
 /// A part is kept until the last cell has come that may have it: of objects that are listed as they lie,
 /// layer by layer, that is one layer's, of others up to half of all.
 class ConformingMeshes {
 public:
-    /// Throws as voronoi_diagram().
-    explicit ConformingMeshes(const DiagramScene& scene);
+    /// Pre: chord > 0. Throws as voronoi_diagram().
+    explicit ConformingMeshes(const DiagramScene& scene, double chord = 0.002);
     ~ConformingMeshes();
     ConformingMeshes(const ConformingMeshes&) = delete;
     ConformingMeshes& operator=(const ConformingMeshes&) = delete;
@@ -48,6 +49,7 @@ public:
 private:
     class Store;
     std::unique_ptr<Store> store_;
+    double chord_;
 };
 
 }  // namespace vcell
