@@ -16,6 +16,7 @@
 #include "../core/errors.hpp"
 #include "../core/platform.hpp"
 #include "../envelope/complete_measures.hpp"
+#include "../envelope/measures/clearance_places.hpp"
 #include "../envelope/point_query.hpp"
 #include "../envelope/vertex_refinement.hpp"
 #include "../io/files/text.hpp"
@@ -34,16 +35,14 @@ namespace {
 constexpr const char* program_help = R"(The Voronoi cell of a base object among others, exact.)";
 
 constexpr const char* program_footer = R"(
-Examples:
-  vcell compute scene.json -o cell.json -o diagram.svg -o cell.obj
-  vcell compute scene.json -o cell.html
-  vcell draw scene.json -o cell.png --view -60,25
-  vcell compute balls.xyzr --base-plane 0 0 0 0 0 1 -o cell.json
-  vcell query scene.json points.txt
-  vcell measure scene.json
-  vcell diagram balls.xyzr --cells cells.tsv --contacts contacts.tsv
-  vcell diagram protein.pdb --no-water --group residue --groups residues.tsv
-  vcell compute scene.json -o - | vcell check -
+Examples, with files of vcell's source:
+  vcell compute examples/scenes/figure8.json -o cell.json -o diagram.svg -o cell.step
+  vcell compute examples/scenes/figure8.json -o cell.html
+  vcell draw examples/scenes/figure8.json -o cell.png --view -60,25
+  echo 0.1 0.2 0.3 | vcell query examples/scenes/figure8.json
+  vcell measure examples/scenes/figure8.json
+  vcell diagram tests/data/1CRN.xyzr --cells cells.tsv --contacts contacts.tsv
+  vcell compute examples/scenes/figure8.json -o - | vcell check -
   vcell refine cell.json --bits 200
 
 A file named - is standard input or output. Scenes are JSON or files of balls: plain "x y z r" lines, PDB,
@@ -94,13 +93,20 @@ public:
             "it, too");
         command_.add_flag("--moments", moments_,
                           "in .json: the volume's centroid and second moments, with their errors");
+        command_.add_flag("--clearances", clearances_,
+                          "in .json: where the least and the greatest clearance are, with their errors");
         command_
             .add_option("--contours", contours_,
                         "in .svg: level curves of the clearance, at N round levels at most")
             ->check(CLI::Range(1, 1000))
             ->type_name("N");
         threads_.add_to(command_);
-        command_.footer("No output appears before all of them are complete.");
+        command_.footer(
+            "No output appears before all of them are complete.\n\n"
+            "Examples:\n"
+            "  vcell compute examples/scenes/figure8.json -o cell.json -o cell.step\n"
+            "  vcell compute examples/scenes/pile_50.json -o cell.stl --solid --chord 1%\n"
+            "  vcell compute tests/data/1CRN.xyzr --base 17 -o atom.html");
     }
 
     bool chosen() const { return command_.parsed(); }
@@ -111,6 +117,7 @@ public:
         const Scene scene = scene_.read();
         Cell cell = scene_.about([&] { return compute_cell(scene, threads_.count(), complete_); });
         if (moments_) cell.moments = moments_of(cell);
+        if (clearances_) cell.clearance_places = clearance_places(cell);
         if (complete_ && !cell.is_complete)
             warn(
                 "the cell stands over what the box holds of the base: only those of planes and of "
@@ -145,6 +152,7 @@ private:
             std::transform(format.begin(), format.end(), format.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
             if (!format.empty()) format.erase(0, 1);
+            if (format == "stp") format = "step";
             if (format != "json" && format != "svg" && format != "itd" && format != "step" &&
                 !takes_mesh(format))
                 throw UsageError(fmt::format(
@@ -203,6 +211,7 @@ private:
     bool solid_ = false;
     bool complete_ = false;
     bool moments_ = false;
+    bool clearances_ = false;
     std::size_t contours_ = 0;
     ThreadsArgument threads_;
     std::vector<std::unique_ptr<Output>> files_;
@@ -221,7 +230,9 @@ public:
             "point along the base's normal (the first of those that tie), the height of the cell's boundary\n"
             "on that ray, and true if the point lies in the cell, false if not. A ray from outside the base\n"
             "region has no owner: \"- - false\". The centre of a base sphere, or a point on a base cylinder's\n"
-            "axis, has no ray: \"- - true\".");
+            "axis, has no ray: \"- - true\".\n\n"
+            "Examples:\n"
+            "  echo 0.1 0.2 0.3 | vcell query examples/scenes/figure8.json");
     }
 
     bool chosen() const { return command_.parsed(); }
@@ -292,7 +303,11 @@ public:
             command_.add_option(table.option, table.path, table.help)
                 ->type_name("FILE")
                 ->excludes("--complete");
-        command_.footer("Prints a header and one line, tab-separated.");
+        command_.footer(
+            "Prints a header and one line, tab-separated.\n\n"
+            "Examples:\n"
+            "  vcell measure examples/scenes/figure8.json --faces faces.tsv --clearances clearances.tsv\n"
+            "  vcell measure examples/scenes/leaning.json --complete");
     }
 
     bool chosen() const { return command_.parsed(); }
@@ -340,10 +355,13 @@ private:
     CLI::App& command_;
     SceneArgument scene_;
     bool complete_ = false;
-    std::array<Table, 4> tables_{
+    std::array<Table, 5> tables_{
         {{"--faces", "table of the faces: site, name, bisector, area", write_faces},
          {"--edges", "table of the edges: sites, names, kind, length, dihedral angle", write_edges},
          {"--vertices", "table of the vertices: point, clearance, sites, names", write_vertices},
+         {"--clearances",
+          "table of where the least and the greatest clearance are, with the element that holds each",
+          write_clearances},
          {"--moments", "table of the volume's centroid and second moments", write_moments}}};
 };
 
@@ -362,7 +380,9 @@ public:
             "Prints a table, tab-separated: the vertex; three of its sites that fix it with the base; x, y, z\n"
             "and clearance, of which the last digit may be off by one; and a bound on how far the vertex is from\n"
             "being equally far from its other sites, 0 if it has none. Exit status 3 if a vertex has no line:\n"
-            "where bisectors touch, no three sites fix it.");
+            "where bisectors touch, no three sites fix it.\n\n"
+            "Examples:\n"
+            "  vcell compute examples/scenes/figure8.json -o cell.json && vcell refine cell.json --bits 200");
     }
 
     bool chosen() const { return command_.parsed(); }
@@ -415,6 +435,9 @@ private:
 int run(int argc, char** argv) {
     CLI::App app(program_help, "vcell");
     app.footer(program_footer);
+    // With two blanks after `-o,--output FILE ... REQUIRED`: help2man takes one for a part of the option.
+    constexpr std::size_t option_width = 33;
+    app.get_formatter()->column_width(option_width);
     app.set_version_flag("--version", "vcell " VCELL_VERSION);
     app.require_subcommand(1);
     app.failure_message([](const CLI::App*, const CLI::Error& e) {
@@ -427,6 +450,10 @@ int run(int argc, char** argv) {
     CheckCommand check(app);
     Refine refine(app);
     DiagramCommand diagram(app);
+    const auto is_asked_for = [&](CLI::App* command) { return command->check_name(argv[1]); };
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_asked_for).empty())
+        throw UsageError(
+            fmt::format("there is no command \"{}\"; \"vcell --help\" tells which there are", argv[1]));
     try {
         app.parse(arguments(argc, argv));
     } catch (const CLI::ParseError& e) {

@@ -47,6 +47,9 @@ static void rename(Cell& cell, Site from, Site to) {
     for (CellVertex& v : cell.vertices) std::ranges::sort(v.sites);
     for (CellEdge& e : cell.edges) std::ranges::sort(e.extra_sites);
     for (CellFace& f : cell.faces) std::ranges::sort(f.extra_sites);
+    if (!cell.clearance_places) return;
+    for (auto* place : {&cell.clearance_places->least, &cell.clearance_places->greatest})
+        if (*place) std::ranges::sort((*place)->sites);
 }
 
 void name_cap(Cell& cell, Site cap, double probe) {

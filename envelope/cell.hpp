@@ -120,6 +120,23 @@ struct Moments {
     double second_error = not_measured;  ///< bound on the error of each entry
 };
 
+/// A place where a cell's clearance is least, or greatest. There may be others.
+struct ClearancePlace {
+    Vec3 point = Vec3::Constant(not_measured);
+    double error = not_measured;      ///< bound on the distance of `point` from the true boundary
+    double clearance = not_measured;  ///< of `point`
+    /// Bound on how far `clearance` is from the true cell's least, or greatest.
+    double clearance_error = not_measured;
+    std::vector<Site> sites;  ///< all that attain it: those of the element that holds the place
+    /// That element: one of the three. A face that shares its site with others is not told from them.
+    std::optional<std::uint32_t> vertex, edge, face;
+};
+
+/// None where none is proved.
+struct ClearancePlaces {
+    std::optional<ClearancePlace> least, greatest;
+};
+
 struct Report {
     Decisions decisions;
     /// How the diagram came about: forms inserted into diagrams (of pieces of the base's chart, or of discs),
@@ -165,9 +182,12 @@ struct Cell {
     std::optional<Closing> closing = std::nullopt;
     /// As asked for, and as the cell's file has them: moments_of() makes them (io/solids/moments.hpp).
     std::optional<Moments> moments = std::nullopt;
+    /// Likewise: clearance_places() finds them (measures/clearance_places.hpp).
+    std::optional<ClearancePlaces> clearance_places = std::nullopt;
 };
 
-/// Calls visit(site) for each site that an element of a cell names, as often as one does.
+/// Calls visit(site) for each site that an element of a cell names, or a place of its clearance, as often as
+/// one does.
 template <class AnyCell, class Visit>
 void for_each_site(AnyCell& cell, Visit&& visit) {
     for (auto& v : cell.vertices)
@@ -180,6 +200,10 @@ void for_each_site(AnyCell& cell, Visit&& visit) {
         visit(f.site);
         for (auto& s : f.extra_sites) visit(s);
     }
+    if (!cell.clearance_places) return;
+    for (auto* place : {&cell.clearance_places->least, &cell.clearance_places->greatest})
+        if (*place)
+            for (auto& s : (*place)->sites) visit(s);
 }
 
 /// Is it a face through which a base plane's rays come into a complete cell? Others stand over the base,
@@ -195,7 +219,7 @@ Cell with_cap_as_object(Cell cell);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a
 /// power of two; the parameters of its patches times `of_parameters`. Pre: no `closing`, no
-/// `moments`.
+/// `moments`, no `clearance_places`.
 void scale(Cell& cell, double factor, double of_parameters, unsigned threads = 1);
 
 }  // namespace vcell

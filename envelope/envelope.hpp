@@ -5,6 +5,7 @@
 #include "cell_changes.hpp"
 #include "complete_measures.hpp"
 #include "diagram/minimization_diagram.hpp"
+#include "measures/clearance_places.hpp"
 #include "point_query.hpp"
 #include "trisector/trisector_curves.hpp"
 #include "vertex_refinement.hpp"

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "clearance_places.hpp"
 #include "closing.hpp"
 #include "edges.hpp"
 #include "entries.hpp"
@@ -54,6 +55,7 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
     }
     certify_closing(subjects, edges, options, certificate);
     certify_moments(subjects.front(), options, certificate);
+    certify_clearance_places(subjects, options, certificate);
     const bool is_covered =
         certify_measures(subjects, edges, known ? &*known : nullptr, options, certificate);
     if (is_covered && certificate.holds()) return certificate;

@@ -176,7 +176,21 @@ void write_moments(JsonWriter& out, const Moments& m) {
     });
 }
 
-void write_measures(JsonWriter& out, const Measures& m, const std::optional<Moments>& moments) {
+void write_clearance_place(JsonWriter& out, const ClearancePlace& place, Images images) {
+    out.object([&] {
+        out.key("point").value(place.point);
+        out.key("error").value(place.error);
+        out.key("clearance").value(place.clearance);
+        out.key("clearance_error").value(place.clearance_error);
+        write_sites(out.key("sites"), place.sites, images);
+        if (place.vertex) out.key("vertex").value(*place.vertex);
+        if (place.edge) out.key("edge").value(*place.edge);
+        if (place.face) out.key("face").value(*place.face);
+    });
+}
+
+void write_measures(JsonWriter& out, const Cell& cell, Images images) {
+    const Measures& m = cell.measures;
     out.object([&] {
         out.key("volume").value(m.volume);
         out.key(error_key("volume", m.is_estimated)).value(m.volume_error);
@@ -193,7 +207,12 @@ void write_measures(JsonWriter& out, const Measures& m, const std::optional<Mome
         out.key("max_clearance").value(m.max_clearance);
         out.key("max_clearance_error").value(m.max_clearance_error);
         out.key("touches_box").value(m.touches_box);
-        if (moments) write_moments(out.key("moments"), *moments);
+        if (cell.clearance_places) {
+            const auto& [least, greatest] = *cell.clearance_places;
+            if (least) write_clearance_place(out.key("min_clearance_place"), *least, images);
+            if (greatest) write_clearance_place(out.key("max_clearance_place"), *greatest, images);
+        }
+        if (cell.moments) write_moments(out.key("moments"), *cell.moments);
     });
 }
 
@@ -234,7 +253,7 @@ void write_elements(JsonWriter& out, const Cell& cell, Images images, const Clos
     out.line_key("neighbors").array([&] {
         for (const std::uint32_t n : cell.neighbors) write_site(out, Site::object(n), images);
     });
-    write_measures(out.line_key("measures"), cell.measures, cell.moments);
+    write_measures(out.line_key("measures"), cell, images);
     write_report(out.line_key("report"), cell.report);
 }
 

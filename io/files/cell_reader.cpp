@@ -291,28 +291,43 @@ private:
     }
 
     void measures(Measures& m) {
-        in_.object(required_member("volume", [&] { m.volume = in_.number(); }),
-                   error_member("volume_error", m.volume_error),
-                   estimate_member("volume_error_estimate", m.volume_error, m.is_estimated),
-                   required_member("body_volume", [&] { m.body_volume = in_.number(); }),
-                   required_member("body_volume_error", [&] { m.body_volume_error = in_.number(); }),
-                   required_member("area", [&] { m.area = in_.number(); }),
-                   error_member("area_error", m.area_error),
-                   estimate_member("area_error_estimate", m.area_error, m.is_estimated),
-                   required_member("box_area", [&] { m.box_area = in_.number(); }),
-                   error_member("box_area_error", m.box_area_error),
-                   estimate_member("box_area_error_estimate", m.box_area_error, m.is_estimated),
-                   required_member("base_area", [&] { m.base_area = in_.number(); }),
-                   required_member("base_area_error", [&] { m.base_area_error = in_.number(); }),
-                   required_member("min_clearance", [&] { m.min_clearance = in_.number(); }),
-                   required_member("min_clearance_error", [&] { m.min_clearance_error = in_.number(); }),
-                   required_member("max_clearance", [&] { m.max_clearance = in_.number(); }),
-                   required_member("max_clearance_error", [&] { m.max_clearance_error = in_.number(); }),
-                   required_member("touches_box", [&] { m.touches_box = in_.boolean(); }),
-                   optional_member("moments", [&] { moments(cell_.moments.emplace()); }));
+        in_.object(
+            required_member("volume", [&] { m.volume = in_.number(); }),
+            error_member("volume_error", m.volume_error),
+            estimate_member("volume_error_estimate", m.volume_error, m.is_estimated),
+            required_member("body_volume", [&] { m.body_volume = in_.number(); }),
+            required_member("body_volume_error", [&] { m.body_volume_error = in_.number(); }),
+            required_member("area", [&] { m.area = in_.number(); }), error_member("area_error", m.area_error),
+            estimate_member("area_error_estimate", m.area_error, m.is_estimated),
+            required_member("box_area", [&] { m.box_area = in_.number(); }),
+            error_member("box_area_error", m.box_area_error),
+            estimate_member("box_area_error_estimate", m.box_area_error, m.is_estimated),
+            required_member("base_area", [&] { m.base_area = in_.number(); }),
+            required_member("base_area_error", [&] { m.base_area_error = in_.number(); }),
+            required_member("min_clearance", [&] { m.min_clearance = in_.number(); }),
+            required_member("min_clearance_error", [&] { m.min_clearance_error = in_.number(); }),
+            required_member("max_clearance", [&] { m.max_clearance = in_.number(); }),
+            required_member("max_clearance_error", [&] { m.max_clearance_error = in_.number(); }),
+            required_member("touches_box", [&] { m.touches_box = in_.boolean(); }),
+            optional_member("min_clearance_place", [&] { clearance_place(&ClearancePlaces::least); }),
+            optional_member("max_clearance_place", [&] { clearance_place(&ClearancePlaces::greatest); }),
+            optional_member("moments", [&] { moments(cell_.moments.emplace()); }));
         need("volume_error", m.volume_error);
         need("area_error", m.area_error);
         need("box_area_error", m.box_area_error);
+    }
+
+    void clearance_place(std::optional<ClearancePlace> ClearancePlaces::*which) {
+        if (!cell_.clearance_places) cell_.clearance_places.emplace();
+        ClearancePlace& place = ((*cell_.clearance_places).*which).emplace();
+        in_.object(required_member("point", [&] { place.point = read_vec3(in_); }),
+                   required_member("error", [&] { place.error = in_.number(); }),
+                   required_member("clearance", [&] { place.clearance = in_.number(); }),
+                   required_member("clearance_error", [&] { place.clearance_error = in_.number(); }),
+                   required_member("sites", [&] { list(place.sites, [&] { return site(); }); }),
+                   optional_member("vertex", [&] { place.vertex = index(); }),
+                   optional_member("edge", [&] { place.edge = index(); }),
+                   optional_member("face", [&] { place.face = index(); }));
     }
 
     void moments(Moments& m) {

@@ -9,8 +9,10 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "../../envelope/measures/clearance_places.hpp"
 #include "../check/space.hpp"
 #include "../solids/moments.hpp"
 
@@ -103,6 +105,24 @@ void write_vertices(std::ostream& out, const Cell& cell) {
         fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{:d}\t{}\t{}\n", i, v.point.x(), v.point.y(), v.point.z(),
                    v.radius, v.error, v.is_touching, joined(v.sites, [](Site s) { return to_string(s); }),
                    joined(v.sites, [&](Site s) { return name_of(cell, s); }));
+    }
+}
+
+void write_clearances(std::ostream& out, const Cell& cell) {
+    out << "extreme\tclearance\tclearance_error\tx\ty\tz\terror\tvertex\tedge\tface\tsites\tnames\n";
+    const auto number = [](const std::optional<std::uint32_t>& n) { return n ? std::to_string(*n) : "-"; };
+    const ClearancePlaces places = clearance_places(cell);
+    for (const auto& [extreme, place] :
+         {std::pair("least", &places.least), std::pair("greatest", &places.greatest)}) {
+        if (!*place) {
+            fmt::print(out, "{}\t-\t-\t-\t-\t-\t-\t-\t-\t-\t-\t-\n", extreme);
+            continue;
+        }
+        const ClearancePlace& p = **place;
+        fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", extreme, p.clearance,
+                   p.clearance_error, p.point.x(), p.point.y(), p.point.z(), p.error, number(p.vertex),
+                   number(p.edge), number(p.face), joined(p.sites, [](Site s) { return to_string(s); }),
+                   joined(p.sites, [&](Site s) { return name_of(cell, s); }));
     }
 }
 

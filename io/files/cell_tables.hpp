@@ -26,6 +26,10 @@ void write_edges(std::ostream& out, const Cell& cell);
 /// vertex x y z clearance error touching sites names
 void write_vertices(std::ostream& out, const Cell& cell);
 
+/// extreme clearance clearance_error x y z error vertex edge face sites names, two lines, `least` and
+/// `greatest`: clearance_places() of the cell. All but the first column is `-` where no place is proved.
+void write_clearances(std::ostream& out, const Cell& cell);
+
 /// x y z centroid_error xx yy zz yz zx xy second_error, one line: moments_of() the cell.
 void write_moments(std::ostream& out, const Cell& cell);
 /// Its columns, and a line of them.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <mutex>
 
+#include "../../envelope/measures/clearance_places.hpp"
 #include "../../envelope/point_query.hpp"
 #include "../../envelope/vertex_refinement.hpp"
 #include "../../io/io.hpp"
@@ -172,6 +173,42 @@ void bind_refinement(py::module_& m) {
         "touch in it, or digits do not suffice.");
 }
 
+void bind_clearance_places(py::module_& m) {
+    py::class_<ClearancePlace>(m, "ClearancePlace",
+                               "A place where a cell's clearance is least, or greatest. There may be others.")
+        .def_property_readonly(
+            "point", [](const ClearancePlace& p) { return array_of(p.point); }, "Shape (3,).")
+        .def_readonly("error", &ClearancePlace::error,
+                      "A bound on the distance of `point` from the true boundary.")
+        .def_readonly("clearance", &ClearancePlace::clearance)
+        .def_readonly("clearance_error", &ClearancePlace::clearance_error,
+                      "A bound on how far `clearance` is from the true cell's least, or greatest.")
+        .def_property_readonly(
+            "sites",
+            [](const ClearancePlace& p) {
+                py::list result;
+                for (const Site& site : p.sites) result.append(site);
+                return result;
+            },
+            "All that attain it: those of the element that holds the place.")
+        .def_readonly("vertex", &ClearancePlace::vertex, "The number of the vertex that it is, or None.")
+        .def_readonly("edge", &ClearancePlace::edge, "The number of the edge that holds it, or None.")
+        .def_readonly(
+            "face", &ClearancePlace::face,
+            "The number of the face inside of which it is, or None: a face that shares its site with "
+            "others is not told from them.");
+    py::class_<ClearancePlaces>(m, "ClearancePlaces", "Where a cell's clearance is least and greatest.")
+        .def_readonly("least", &ClearancePlaces::least, "A ClearancePlace; None where none is proved.")
+        .def_readonly("greatest", &ClearancePlaces::greatest, "Likewise.");
+    m.def(
+        "clearance_places",
+        [](const Cell& cell) {
+            const py::gil_scoped_release unlocked;
+            return clearance_places(cell);
+        },
+        py::arg("cell"), "ClearancePlaces of a cell with measures.");
+}
+
 /// Which face a triangle belongs to: -1 for walls and -2 for the base.
 py::array_t<std::int64_t> triangle_faces(const CellMesh& mesh) {
     py::array_t<std::int64_t> result(static_cast<py::ssize_t>(mesh.triangles.size()));
@@ -198,7 +235,8 @@ py::array_t<std::int64_t> triangle_sites(const CellMesh& mesh) {
 /// Meshes of a diagram's cells as Python gives them: in order, or not at all.
 class DiagramMeshes {
 public:
-    explicit DiagramMeshes(const DiagramScene& scene) : count_(scene.objects.size()), meshes_(scene) {}
+    DiagramMeshes(const DiagramScene& scene, double chord)
+        : count_(scene.objects.size()), meshes_(scene, chord) {}
 
     CellMesh add(std::uint32_t number, const Cell& cell) {
         if (number >= count_ || number < least_)
@@ -281,7 +319,13 @@ void bind_diagram_meshes(py::module_& m) {
         "last digit. Cells of oblique tubes fit in parts.\n\n"
         "    meshes, found = vcell.DiagramMeshes(scene), {}\n"
         "    vcell.diagram(scene, visit=lambda n, cell: found.update({n: meshes.add(n, cell)}))")
-        .def(py::init<const DiagramScene&>(), py::arg("scene"))
+        .def(
+            py::init([](const DiagramScene& scene, double chord) {
+                if (!(chord > 0)) throw py::value_error("chord: must be above 0");
+                return std::make_unique<DiagramMeshes>(scene, chord);
+            }),
+            py::arg("scene"), py::kw_only(), py::arg("chord") = 0.002,
+            "chord: the largest distance of a side's middle from the surface, as a part of the cell's diagonal.")
         .def("add", &DiagramMeshes::add, py::arg("number"), py::arg("cell"),
              "The closed CellMesh of a cell that diagram() gave to `visit`. Numbers may not descend.")
         .def_property_readonly("drawn_again", &DiagramMeshes::drawn_again,
@@ -310,31 +354,6 @@ void bind_moments(py::module_& m) {
         py::arg("cell"), "Moments of all that the cell encloses, the base's body included.");
 }
 
-/// Writes a cell in the format of the file's ending.
-void write(const Cell& cell, const std::string& path, const std::optional<CellMesh>& given) {
-    const std::string ending = std::filesystem::path(path).extension().string();
-    const bool is_labelled = ending.size() > 1 && is_mesh_format(ending.substr(1));
-    if (!is_labelled && ending != ".json" && ending != ".svg" && ending != ".itd" && ending != ".step" &&
-        ending != ".obj")
-        throw py::value_error(
-            "path: must end in .json, .svg, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or .itd, is " + path);
-    const py::gil_scoped_release unlocked;
-    OutputFile file(path);
-    const auto mesh = [&] { return given ? *given : tessellate(cell); };
-    if (ending == ".json") write_cell(file.stream(), cell);
-    if (ending == ".svg") write_svg(file.stream(), cell);
-    if (ending == ".itd") write_itd(file.stream(), cell);
-    if (ending == ".step") write_step(file.stream(), cell);
-    if (ending == ".obj") write_obj(file.stream(), cell, mesh(), "");
-    if (is_labelled) {
-        LabelledMesh labelled;
-        labelled.add(cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1, cell,
-                     mesh());
-        write_mesh(file.stream(), ending.substr(1), labelled);
-    }
-    file.commit();
-}
-
 void bind_files(py::module_& m) {
     m.def(
         "parse_cell", [](const std::string& text) { return parse_cell(text); }, py::arg("text"),
@@ -345,11 +364,12 @@ void bind_files(py::module_& m) {
     m.def(
         "write",
         [](const Cell& cell, const std::filesystem::path& path, const CellMesh* mesh) {
-            write(cell, path.string(), mesh ? std::optional(*mesh) : std::nullopt);
+            const py::gil_scoped_release unlocked;
+            write_file(path.string(), cell, mesh);
         },
         py::arg("cell"), py::arg("path"), py::arg("mesh") = py::none(),
-        "Writes the cell in the format of the path's ending: .json, .svg, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or "
-        ".itd. The file is complete or untouched.\n\n"
+        "Writes the cell in the format of the path's ending: .json, .svg, .html (a page to look at), .obj, .stl, .ply, "
+        ".vtu, .glb, .3mf, .step or .itd. The file is complete or untouched.\n\n"
         "mesh: the cell's mesh, for formats of triangles; default: mesh(cell).\n\n"
         "Raises WriteError, an OSError.");
 }
@@ -362,6 +382,7 @@ void bind_tools(py::module_& m) {
     bind_refinement(m);
     bind_mesh(m);
     bind_diagram_meshes(m);
+    bind_clearance_places(m);
     bind_moments(m);
     bind_files(m);
 }

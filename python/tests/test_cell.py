@@ -168,7 +168,7 @@ def test_a_check_refutes_a_cell_that_is_not(around_a_ball):
 
 def test_files_of_cells(around_a_ball, tmp_path):
     cell = vcell.cell(around_a_ball)
-    for ending in ("json", "svg", "obj", "stl", "ply", "vtu", "glb", "3mf", "itd", "step"):
+    for ending in ("json", "svg", "html", "obj", "stl", "ply", "vtu", "glb", "3mf", "itd", "step"):
         vcell.write(cell, tmp_path / f"cell.{ending}")
         assert (tmp_path / f"cell.{ending}").stat().st_size > 1000
     for other in (vcell.read_cell(tmp_path / "cell.json"), pickle.loads(pickle.dumps(cell))):
@@ -213,6 +213,25 @@ def test_moments_are_those_of_the_closed_mesh(scene):
     assert np.allclose(second, moments.second, atol=0.01 * np.trace(second))
     assert 0 <= moments.centroid_error < 1e-3 and 0 <= moments.second_error < 1e-3 * np.trace(second)
     assert np.array_equal(vcell.moments(vcell.parse_cell(cell.to_json())).centroid, moments.centroid)
+
+
+def test_places_of_the_least_and_the_greatest_clearance(scene):
+    cell = vcell.cell(scene)
+    places, m = vcell.clearance_places(cell), cell.measures
+    for place, value, bound in ((places.least, m.min_clearance, m.min_clearance_error),
+                                (places.greatest, m.max_clearance, m.max_clearance_error)):
+        assert abs(place.clearance - value) <= place.clearance_error + bound
+        assert place.point.shape == (3,)
+        held = [place.vertex, place.edge, place.face]
+        assert sum(number is not None for number in held) <= 1
+        for site in place.sites:
+            if site.kind == "object":
+                away = distances(place.point[None], scene.objects[site.index])[0]
+                assert abs(away - place.clearance) <= 2 * place.error + 1e-12
+    others = vcell.cell(scene).vertex_clearances
+    assert np.all(others >= places.least.clearance - 1e-9) and np.all(others <= places.greatest.clearance + 1e-9)
+    bare = vcell.clearance_places(vcell.cell(scene, measure=False))
+    assert bare.least is None and bare.greatest is None
 
 
 def test_parts_keep_what_they_are_of(around_a_ball):

@@ -147,6 +147,35 @@ TEST_CASE("program: moments and level curves are there where they are asked for"
     CHECK(w.run("compute " + scene + " --format svg --contours 0 -o -").status == 1);
 }
 
+TEST_CASE("program: places of the least and the greatest clearance are there where they are asked for") {
+    const Workplace w;
+    const std::string scene = example("three_spheres.json");
+    const json with = json::parse(w.run("compute " + scene + " --clearances -o -").out).at("measures");
+    CHECK_FALSE(
+        json::parse(w.run("compute " + scene + " -o -").out).at("measures").contains("min_clearance_place"));
+    std::istringstream table(w.run("measure " + scene + " --clearances -").out);
+    std::string line;
+    for (int k = 0; k < 3; ++k) std::getline(table, line);
+    REQUIRE(
+        line.starts_with("extreme\tclearance\tclearance_error\tx\ty\tz\terror\tvertex\tedge\tface\tsites\t"));
+    for (const auto& [extreme, key] :
+         {std::pair("least", "min_clearance"), std::pair("greatest", "max_clearance")}) {
+        const json& place = with.at(std::string(key) + "_place");
+        CHECK(place.at("clearance").get<double>() ==
+              doctest::Approx(with.at(key).get<double>()).epsilon(1e-12));
+        CHECK(place.contains("vertex") + place.contains("edge") + place.contains("face") == 1);
+        std::string name;
+        double clearance = 0, error = 0, x = 0;
+        table >> name >> clearance >> error >> x;
+        std::getline(table, line);
+        CHECK(name == extreme);
+        CHECK(clearance == place.at("clearance").get<double>());
+        CHECK(error == place.at("clearance_error").get<double>());
+        CHECK(x == place.at("point")[0].get<double>());
+    }
+    CHECK(w.run("check -", w.run("compute " + scene + " --clearances -o -").out).status == 0);
+}
+
 TEST_CASE("program: refine prints vertices to the digits asked for") {
     const Workplace w;
     // A point among points: the vertex (3/2, 3/2, 3/2), sqrt(27/4) away.

@@ -45,7 +45,7 @@ Scene scene_of(const std::vector<Object>& objects, std::size_t base) {
 }
 
 /// Proved; where integrals are hard, with more effort.
-void check_certificate(const Cell& cell) {
+void check_certificate_of_parts(const Cell& cell) {
     Certificate certificate = certify(cell);
     CHECK_MESSAGE(certificate.count(Verdict::refuted) == 0, listing(certificate));
     if (!certificate.holds()) {
@@ -60,7 +60,7 @@ void check_tube_cell(const Cell& cell, std::mt19937_64& rng) {
     REQUIRE(cell.is_complete);
     CHECK(cell.measures.volume_error <= 5e-2);
     check_complete_measures(cell, complete_measures(cell.scene), cell.measures.area_error);
-    check_certificate(cell);
+    check_certificate_of_parts(cell);
     const CellMesh mesh = checked_mesh(cell);
     check_points(cell, mesh, rng);
     // Chords are measured at their middles, and are a little longer elsewhere.

@@ -106,7 +106,7 @@ def main():
         for error in valid["scene"].iter_errors(scene):
             faults.append(f"{scene_path}: {list(error.path)}: {error.message}")
         cell_path = folder / "cell.json"
-        if run("compute", scene_path, "-o", str(cell_path), "--moments") != 0:
+        if run("compute", scene_path, "-o", str(cell_path), "--moments", "--clearances") != 0:
             faults.append(f"{scene_path}: no cell")
             continue
         cell = load(cell_path)
