@@ -1,5 +1,6 @@
-# Debian packages: `cpack` in the build folder makes vcell, the program with its manual and bash completion, and
-# libvcell-dev, the libraries. Manual pages are what --help prints, so that they say the same.
+# Debian packages: `cpack` in the build folder makes vcell, the program with its manual, bash completion and scenes to
+# start from; libvcell-dev, the libraries; and, where the Python module is built for Debian's own Python, python3-vcell.
+# Manual pages are what --help prints, so that they say the same.
 if(TARGET vcell_program)
   install(FILES apps/completion/vcell DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
           COMPONENT program)
@@ -22,6 +23,17 @@ if(TARGET vcell_program)
   endif()
 endif()
 
+# What Debian's packages have beside.
+function(vcell_package_documents package component)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package} RENAME copyright
+          COMPONENT ${component} EXCLUDE_FROM_ALL)
+endfunction()
+vcell_package_documents(vcell program)
+vcell_package_documents(libvcell-dev dev)
+vcell_package_documents(python3-vcell debian_python)
+set(examples ${CMAKE_INSTALL_DATAROOTDIR}/doc/vcell/examples)
+install(DIRECTORY examples/scenes DESTINATION ${examples} COMPONENT program EXCLUDE_FROM_ALL)
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "the vcell developers")
 set(CPACK_PACKAGE_CONTACT "the vcell developers")
@@ -30,6 +42,10 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL program dev)
+get_property(python_depends GLOBAL PROPERTY vcell_debian_python)
+if(python_depends)
+  list(APPEND CPACK_COMPONENTS_ALL debian_python)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME vcell)
@@ -40,4 +56,10 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libvcell-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev, libfmt-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Static libraries and headers: Voronoi cells of planes, spheres and cylinders.")
+set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_NAME python3-vcell)
+set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python_depends}")
+set(CPACK_COMPONENT_DEBIAN_PYTHON_DESCRIPTION
+    "Python module: cells of planes, spheres and cylinders as numpy arrays, and whole diagrams.")
 include(CPack)
