@@ -38,8 +38,11 @@ CheckCommand::CheckCommand(CLI::App& app)
     command_.footer(
         "Proves that the boundary as written lies everywhere within a distance of the true one, and prints\n"
         "that distance; or a line for each element that is refuted or left open. Of a diagram also that cells\n"
-        "agree about what they share, and fill their box if all objects have cells. Exit status 4 if there is such a line: what is open\n"
-        "has not been shown to be wrong, but not to be right, either.");
+        "agree about what they share, and fill their box if all objects have cells. Exit status 4 if there is\n"
+        "such a line: what is open has not been shown to be wrong, but not to be right, either.\n\n"
+        "Examples:\n"
+        "  vcell compute examples/scenes/figure8.json -o - | vcell check -\n"
+        "  vcell diagram tests/data/1CRN.xyzr -o all.json && vcell check all.json");
 }
 
 Status CheckCommand::run() const {

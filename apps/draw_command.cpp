@@ -63,7 +63,9 @@ DrawCommand::DrawCommand(CLI::App& app)
         ->type_name("X Y Z NX NY NZ");
     command_.footer(
         "Faces have the colours that they have in other pictures, and are as translucent as objects are; planes\n"
-        "and cylinders end at the box. Parallel projection.");
+        "and cylinders end at the box. Parallel projection.\n\n"
+        "Examples:\n"
+        "  vcell draw examples/scenes/figure8.json -o cell.png --view -53,22");
 }
 
 Cell DrawCommand::cell() const {

@@ -341,13 +341,10 @@ private:
         }
         judge("measures.min_clearance", m.min_clearance, m.min_clearance_error, found.least, slack, 1);
         judge("measures.max_clearance", m.max_clearance, m.max_clearance_error, found.greatest, slack, 1);
-        if (!cell_.clearance_places) return;
-        const auto judge_place = [&](const char* where, const auto& place, const Interval& enclosure) {
-            if (place) judge(where, place->clearance, place->clearance_error, enclosure, slack, 1);
-        };
-        judge_place("measures.min_clearance_place.clearance", cell_.clearance_places->least, found.least);
-        judge_place("measures.max_clearance_place.clearance", cell_.clearance_places->greatest,
-                    found.greatest);
+        const auto [at_least, at_most] = cell_.clearance_places.value_or(ClearancePlaces());
+        constexpr const char *min = "measures.min_clearance_place", *max = "measures.max_clearance_place";
+        if (at_least) judge(min, at_least->clearance, at_least->clearance_error, found.least, slack, 1);
+        if (at_most) judge(max, at_most->clearance, at_most->clearance_error, found.greatest, slack, 1);
     }
 
     /// What an object owns of the boundary.

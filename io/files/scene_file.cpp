@@ -293,7 +293,8 @@ namespace {
 Scene scene_of_balls(BallFile file, const TextSceneOptions& options) {
     if (options.base_ball && options.base_plane) fail_option("--base", "excludes --base-plane");
     if (!options.base_ball && !options.base_plane)
-        fail_option("--base-plane", "missing: a file of balls does not say what its base is");
+        fail_option("--base",
+                    "missing, and so is --base-plane: a file of balls does not say what its base is");
     if (file.periodic != std::array{false, false, false})
         fail_format("the box of this file repeats; vcell diagram computes its cells");
     const std::vector<Sphere>& balls = file.balls;

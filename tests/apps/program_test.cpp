@@ -38,12 +38,15 @@ TEST_CASE("program: help and version") {
         CHECK(o.err.empty());
         CHECK(o.out.find("Usage:") != o.out.npos);
     }
-    CHECK(w.run("--help").out.find("vcell compute scene.json -o cell.json") != std::string::npos);
+    CHECK(w.run("--help").out.find("vcell compute examples/scenes/figure8.json -o cell.json") !=
+          std::string::npos);
     CHECK(w.run("--version").out.find("vcell ") == 0);
 }
 
 TEST_CASE("program: wrong usage is status 1") {
     Workplace w;
+    CHECK(w.run("compile s.json").err ==
+          "vcell: there is no command \"compile\"; \"vcell --help\" tells which there are\n");
     w.write("s.json", contents(example("three_spheres.json")));
     for (const char* arguments : {"",
                                   "compile s.json",
@@ -55,6 +58,8 @@ TEST_CASE("program: wrong usage is status 1") {
                                   "compute s.json -o a.svg -o a.svg",
                                   "compute s.json -o a.obj -o - --format tiff",
                                   "compute s.json -o a.obj --chord 0",
+                                  "diagram s.json -o a.obj --chord 0%",
+                                  "diagram s.json -o a.obj --chord 0.1",
                                   "compute s.json -o a.obj --chord -1",
                                   "compute s.json -o /nowhere/a.json",
                                   "compute s.json -o .",
@@ -176,7 +181,7 @@ TEST_CASE("program: plain balls") {
     CHECK(cell.at("scene").at("box").at("min") == json{-1, -1, -1});
     CHECK(w.run("measure balls.xyzr --base-plane 0 0 0 0 0 1").status == 0);
     CHECK(w.run("measure balls.xyzr").err ==
-          "vcell: --base-plane: missing: a file of balls does not say what its base is\n");
+          "vcell: --base: missing, and so is --base-plane: a file of balls does not say what its base is\n");
     CHECK(w.run("measure balls.xyzr --base 7").status == 2);
     const std::string mark = "\xEF\xBB\xBF";
     w.write("marked.xyzr", mark + w.read("balls.xyzr"));
@@ -267,7 +272,7 @@ TEST_CASE("program: mistakes are said in one line") {
           {"check " + scene, 2, scene + ": this is a scene, not a cell"},
           {"measure cell.json", 2, "cell.json: this is a cell, not a scene"},
           {"measure atoms.pdb --base 0", 2, "atoms.pdb: line 2: '3.6x5' is not a number"},
-          {"measure balls.xyzr", 2, "--base-plane: missing"},
+          {"measure balls.xyzr", 2, "--base: missing, and so is --base-plane"},
           {"", 1, ""}}) {
         CAPTURE(arguments);
         const Outcome o = w.run(arguments);

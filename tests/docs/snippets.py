@@ -29,14 +29,19 @@ def same_text(printed, told):
         len(a.split()) == len(b.split()) and all(map(same_word, a.split(), b.split())) for a, b in zip(lines, expected))
 
 
-def main():
-    page, program, folder, source = (pathlib.Path(a).resolve() for a in sys.argv[1:5])
-    shutil.rmtree(folder, ignore_errors=True)
+def environment_in(folder, program, source):
+    """A folder that looks like the source to commands, with the program on the path."""
     (folder / "bin").mkdir(parents=True)
     (folder / "bin" / "vcell").symlink_to(program)
     for name in ("examples", "tests"):
         (folder / name).symlink_to(source / name)
-    environment = dict(os.environ, PATH=f"{folder / 'bin'}:{os.environ['PATH']}", LC_ALL="C")
+    return dict(os.environ, PATH=f"{folder / 'bin'}:{os.environ['PATH']}", LC_ALL="C")
+
+
+def main():
+    page, program, folder, source = (pathlib.Path(a).resolve() for a in sys.argv[1:5])
+    shutil.rmtree(folder, ignore_errors=True)
+    environment = environment_in(folder, program, source)
     faults, ran, compared, printed = [], 0, 0, None
     for kind, text in blocks(page):
         if kind == "sh":

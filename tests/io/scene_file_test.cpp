@@ -276,7 +276,7 @@ TEST_CASE("scene file: mistakes in plain balls name the line, or the option") {
     CHECK(text_complaint("0 0 1 1\n0 0 1 -1\n", plane) == "objects[1].sphere.radius: must be >= 0, is -1");
     CHECK(text_complaint("# nothing\n", plane) == "--box: missing, and there is no ball to derive it from");
     CHECK(text_complaint("0 0 1 1\n", {}) ==
-          "--base-plane: missing: a file of balls does not say what its base is");
+          "--base: missing, and so is --base-plane: a file of balls does not say what its base is");
     TextSceneOptions ball;
     ball.base_ball = 2;
     CHECK(text_complaint("0 0 1 1\n0 0 5 1\n", ball) ==
