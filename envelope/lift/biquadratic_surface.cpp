@@ -104,8 +104,11 @@ struct ControlNet {
             }
         return r;
     }
-    bool is_positive() const {
-        return std::ranges::all_of(h, [](const Vector4d& p) { return p.w() > 0; });
+    // Is each weight above such a part of what its terms come to?
+    bool has_weights_above(double part) const {
+        for (std::size_t k = 0; k < h.size(); ++k)
+            if (!(h[k].w() > part * size[k].w())) return false;
+        return true;
     }
 };
 
@@ -114,6 +117,8 @@ struct ControlNet {
 // Those of bisectors with tubes and cones seen from within are positive all around, and need it where faces
 // reach far around. CAD programs read degrees up to 25.
 constexpr int most_raised = 24;
+// Spheroids' weights that cancel to a smaller part than this lose digits that a higher degree keeps.
+constexpr double least_part = 0x1p-6;
 // Raising takes four roundings each time, and there are 22 at most.
 constexpr double rounding_of_raised = 7 * rounding_each;
 
@@ -132,10 +137,9 @@ std::optional<RationalPatch> BiquadraticSurface::raised_patch(const std::array<d
         net.size[k] = size;
         return true;
     });
-    while (!net.is_positive()) {
-        if (net.m == most_raised) return std::nullopt;
-        net = net.raised();
-    }
+    const double least = extent_ == Extent::Closed ? least_part : 0;
+    while (net.m < most_raised && !net.has_weights_above(least)) net = net.raised();
+    if (!net.has_weights_above(0)) return std::nullopt;
     std::optional<RationalPatch> surface(RationalPatch{net.m, net.n, u, v, {}});
     double of_points = 0, of_weights = 0, far = 0;
     for (std::size_t k = 0; k < net.h.size(); ++k) {
@@ -158,9 +162,10 @@ std::optional<RationalPatch> BiquadraticSurface::patch(const std::array<double, 
     // The largest sums of the terms' absolute values over the weight: of a point's coordinates, and of its
     // weight.
     double scale = 1, of_points = 0, of_weights = 0, far = 0;
+    const double least = extent_ == Extent::Closed ? least_part : 0;
     bool is_positive = true;
     for_each_control(u, v, [&](int k, const Vector4d& h, const Vector4d& size) {
-        is_positive = h.w() > 0;
+        is_positive = h.w() > least * size.w();
         if (!is_positive) return false;
         const double over_w = 1 / h.w();
         if (k == 0) scale = over_w;

@@ -67,10 +67,12 @@ double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<Di
 }
 
 double EdgeErrors::trim_distance_of(EdgeId e, unsigned side, std::span<const ConicSpan> along) const {
-    const RadialPatch& patch = patches_[of_.diagram.face(e, side)];
+    const FaceId face = of_.diagram.face(e, side);
     double most = 0;
-    for (const ConicSpan& span : along)
+    for (const ConicSpan& span : along) {
+        const RadialPatch& patch = patches_.patch_at(face, span.half_way());
         most = std::max(most, trim_distance(patch, span, conic_trim(patch, span)));
+    }
     return most;
 }
 

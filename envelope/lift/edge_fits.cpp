@@ -13,7 +13,8 @@ namespace vcell::radial {
 using Eigen::Vector4d;
 
 void EdgeFits::fit(EdgeId e) {
-    if (!curves_.is_spline(e)) return fit_axial_conic(e);
+    if (curves_.is_axial_conic(e)) return fit_axial_conic(e);
+    if (!curves_.is_spline(e)) return divide_conic(e);
     const RadialBaseProblem& problem = of_.problem;
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
     const RadialVertices& vertices = curves_.vertices();
@@ -71,6 +72,25 @@ std::vector<double> EdgeFits::angles_along(EdgeId e) const {
     for (const double part : parts) angles.push_back(from + std::copysign(part, turn));
     angles.push_back(from + turn);
     return angles;
+}
+
+void EdgeFits::divide_conic(EdgeId e) {
+    std::vector<ConicSpan> spans(curves_.conics(e).begin(), curves_.conics(e).end()), divided;
+    for (const unsigned side : {0u, 1u})
+        if (const SurfaceHalves* two = halves(e, side)) {
+            for (const ConicSpan& span : spans) two->add_divided(span, divided);
+            spans = std::exchange(divided, {});
+        }
+    std::vector<const RadialPatch*> patches;
+    curves_.set_conics(e, [&](std::vector<ConicSpan>& result) {
+        for (const ConicSpan& span : spans) {
+            patches.clear();
+            for (const unsigned side : {0u, 1u})
+                if (const FaceId face = of_.diagram.face(e, side); of_.diagram.face_forms[face].valid())
+                    patches.push_back(&patches_.patch_at(face, span.half_way()));
+            add_halves(span, patches, result);
+        }
+    });
 }
 
 bool EdgeFits::refine() {

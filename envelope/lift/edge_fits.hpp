@@ -1,5 +1,5 @@
 /// The curves of edges that depend on their faces' patches: splines, whose trims are fitted with them, and
-/// conics over a cylinder, which are divided where they leave a sector.
+/// conics that are divided where they leave a sector over a cylinder, or a half of a face over a sphere.
 #pragma once
 
 #include <vector>
@@ -18,8 +18,10 @@ public:
         : of_(of), patches_(patches), curves_(curves), tolerance_(tolerance) {}
 
     bool is_asked_for(EdgeId e) const {
-        return !of_.is_bare(e) && (curves_.is_spline(e) || curves_.is_axial_conic(e));
+        return !of_.is_bare(e) && (curves_.is_spline(e) || curves_.is_axial_conic(e) || is_beside_halves(e));
     }
+    /// Has a face with the edge halves? They have the trims of its conics in mind.
+    bool is_beside_halves(EdgeId e) const { return halves(e, 0) != nullptr || halves(e, 1) != nullptr; }
     /// Lets so many more edges be fitted, each at the price of some spans.
     void grant(std::size_t edges) { effort_.spans += 500 * edges; }
 
@@ -39,7 +41,11 @@ public:
     void require_proof(EdgeId e) const;
 
 private:
+    const SurfaceHalves* halves(EdgeId e, unsigned side) const {
+        return patches_.halves(of_.diagram.face(e, side));
+    }
     void fit_axial_conic(EdgeId e);
+    void divide_conic(EdgeId e);
     std::vector<double> angles_along(EdgeId e) const;
 
     const RadialDiagram of_;

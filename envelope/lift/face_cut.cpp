@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
+#include <utility>
 
 #include "joined_spans.hpp"
 
@@ -12,47 +14,138 @@ namespace {
 
 using Eigen::Vector3d;
 
+Vec2 start(const BoundaryRun& r) { return r.trim.curve.points.front().head<2>(); }
+Vec2 end(const BoundaryRun& r) { return r.trim.curve.points.back().head<2>(); }
+
+// Where the boundary crosses a seam.
 struct Crossing {
-    double v;
-    bool rightwards;  // out of the sector on the side's left
+    double place;      // along the seam, ascending with what is before it on the left
+    bool is_outwards;  // of what is before the seam
     std::uint32_t from, to;
 };
 
+// Sector i is before seam i + 1, and beyond seam i.
+class SectorSides {
+public:
+    explicit SectorSides(std::span<const double> reaches) : reaches_(reaches) {}
+
+    std::size_t count() const { return reaches_.size(); }
+    // Heights are compared in the sector before the seam.
+    std::pair<std::size_t, Crossing> crossing(const BoundaryRun& run, const BoundaryRun& next) const {
+        if (end(run).x() > 0) return {(run.within + 1) % count(), {end(run).y(), true, 0, 0}};
+        return {run.within, {start(next).y(), false, 0, 0}};
+    }
+    bool settle(std::vector<Crossing>&) const { return true; }
+    RationalCurve2 seam(const Crossing&, const Crossing&, bool is_before, const BoundaryRun& from,
+                        const BoundaryRun& to) const {
+        const double u = is_before ? reaches_[from.within] : -reaches_[from.within];
+        RationalCurve2 curve;
+        begin_joined(curve, 1, 1);
+        curve.points = {{u, end(from).y(), 1}, {u, start(to).y(), 1}};
+        return curve;
+    }
+
+private:
+    std::span<const double> reaches_;
+};
+
+// The first half is before the circle.
+class CircleSides {
+public:
+    explicit CircleSides(const CirclePoint& at) : at_(at) {}
+
+    static constexpr double whole = 2 * std::numbers::pi;
+
+    std::size_t count() const { return 1; }
+    std::pair<std::size_t, Crossing> crossing(const BoundaryRun& run, const BoundaryRun& next) const {
+        const bool is_outwards = run.within == 0;
+        const Vec2 p = is_outwards ? end(run) : start(next);
+        return {0, {std::atan2(p.y(), p.x()), is_outwards, 0, 0}};
+    }
+    // The face is between one crossing outwards and the next one inwards.
+    bool settle(std::vector<Crossing>& all) const {
+        constexpr double near = 0x1p-32;
+        if (all.empty()) return true;
+        if (!all.front().is_outwards) {
+            std::ranges::rotate(all, all.begin() + 1);
+            all.back().place += whole;
+        }
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const double next = i + 1 < all.size() ? all[i + 1].place : all.front().place + whole;
+            if (!(next - all[i].place > near)) return false;
+        }
+        return true;
+    }
+    RationalCurve2 seam(const Crossing& low, const Crossing& high, bool is_before, const BoundaryRun& from,
+                        const BoundaryRun& to) const {
+        RationalCurve2 curve = arc(low.place, high.place, is_before);
+        curve.points.front().head<2>() = end(from);
+        curve.points.back().head<2>() = start(to);
+        return curve;
+    }
+    RationalCurve2 circle(bool is_before) const {
+        RationalCurve2 curve = arc(0, whole, is_before);
+        curve.points.back() = curve.points.front();
+        return curve;
+    }
+
+private:
+    // In quarters of the circle at most; both halves' run against each other in one parameter.
+    RationalCurve2 arc(double from, double to, bool is_before) const {
+        constexpr double widest = whole / 4 * (1 + 0x1p-20);
+        const auto count = static_cast<std::size_t>(std::ceil((to - from) / widest));
+        const double step = (to - from) / static_cast<double>(2 * count), weight = std::cos(step);
+        RationalCurve2 curve;
+        begin_joined(curve, 2, count);
+        for (std::size_t k = 0; k <= 2 * count; ++k) {
+            const double w = k % 2 == 0 ? 1 : weight;
+            const Vec2 p = at_(from + step * static_cast<double>(k), is_before ? 0 : 1) / w;
+            curve.points.push_back({p.x(), p.y(), w});
+        }
+        if (!is_before) std::ranges::reverse(curve.points);
+        return curve;
+    }
+
+    const CirclePoint& at_;
+};
+
+template <class Sides>
 class Cutter {
 public:
-    Cutter(const std::vector<std::vector<BoundaryRun>>& loops, std::span<const double> reaches,
-           std::uint32_t& seams)
-        : reaches_(reaches), seams_(seams), sides_(reaches.size()) {
+    Cutter(const std::vector<std::vector<BoundaryRun>>& loops, const Sides& sides, std::uint32_t& seams)
+        : sides_(sides), seams_(seams), crossings_(sides.count()) {
         for (const auto& loop : loops) add_loop(loop);
-        for (std::vector<Crossing>& crossings : sides_) is_closed_ = is_closed_ && add_seams(crossings);
+        for (std::vector<Crossing>& crossings : crossings_) is_closed_ = is_closed_ && add_seams(crossings);
+        if constexpr (requires { sides.circle(true); })
+            if (crossings_[0].empty()) add_circle(loops);
     }
 
     std::optional<std::vector<CutPart>> parts() {
         if (!is_closed_) return std::nullopt;
         std::vector<std::vector<TrimCurve>> holes;
-        std::vector<std::uint32_t> hole_sectors;
+        std::vector<std::uint32_t> within_holes;
         std::vector<CutPart> result;
         std::vector<bool> is_done(runs_.size());
         for (std::uint32_t first = 0; first < runs_.size(); ++first) {
             if (is_done[first]) continue;
-            const std::uint32_t sector = runs_[first].sector;
+            const std::uint32_t within = runs_[first].within;
             std::vector<TrimCurve> loop;
             for (std::uint32_t i = first; !is_done[i]; i = next_[i]) {
                 is_done[i] = true;
                 loop.push_back(std::move(runs_[i].trim));
             }
             if (signed_area(loop) > 0) {
-                result.push_back({sector, {}});
+                result.push_back({within, {}});
                 result.back().loops.push_back(std::move(loop));
             } else {
                 holes.push_back(std::move(loop));
-                hole_sectors.push_back(sector);
+                within_holes.push_back(within);
             }
         }
         for (std::size_t i = 0; i < holes.size(); ++i) {
             const Vec2 inside = holes[i].front().curve.evaluate(holes[i].front().curve.domain_begin());
             const auto owner = std::ranges::find_if(result, [&](const CutPart& part) {
-                return part.sector == hole_sectors[i] && goes_round(part.loops.front(), inside);
+                return part.within == within_holes[i] && goes_round(part.loops.front(), inside);
             });
             if (owner == result.end()) return std::nullopt;
             owner->loops.push_back(std::move(holes[i]));
@@ -61,9 +154,6 @@ public:
     }
 
 private:
-    static Vec2 start(const BoundaryRun& r) { return r.trim.curve.points.front().head<2>(); }
-    static Vec2 end(const BoundaryRun& r) { return r.trim.curve.points.back().head<2>(); }
-
     void add_loop(const std::vector<BoundaryRun>& loop) {
         const auto first = static_cast<std::uint32_t>(runs_.size());
         for (std::uint32_t i = 0; i < loop.size(); ++i) {
@@ -72,38 +162,48 @@ private:
             const BoundaryRun &run = loop[i], &following = loop[(i + 1) % loop.size()];
             runs_.push_back(run);
             next_.push_back(to);
-            if (run.sector == following.sector) continue;
-            // Side i lies between sectors i - 1 and i; heights are compared in the sector on its left.
-            if (end(run).x() > 0)
-                sides_[(run.sector + 1) % sides_.size()].push_back({end(run).y(), true, at, to});
-            else
-                sides_[run.sector].push_back({start(following).y(), false, at, to});
+            if (run.within == following.within) continue;
+            auto [side, crossing] = sides_.crossing(run, following);
+            crossing.from = at;
+            crossing.to = to;
+            crossings_[side].push_back(crossing);
         }
     }
 
-    // The face lies above a curve that runs to the right and below one that runs to the left: else they do
-    // not enclose it.
+    // The face lies beyond a crossing outwards and before one inwards: else they do not enclose it.
     bool add_seams(std::vector<Crossing>& crossings) {
-        std::ranges::sort(crossings, {}, &Crossing::v);
+        std::ranges::sort(crossings, {}, &Crossing::place);
+        if (!sides_.settle(crossings)) return false;
         for (std::size_t i = 0; i < crossings.size(); i += 2) {
-            if (i + 1 == crossings.size() || !crossings[i].rightwards || crossings[i + 1].rightwards)
+            if (i + 1 == crossings.size() || !crossings[i].is_outwards || crossings[i + 1].is_outwards)
                 return false;
             const Crossing &low = crossings[i], &high = crossings[i + 1];
-            add_seam(low.from, high.to, 1);
-            add_seam(high.from, low.to, -1);
+            add_seam(low.from, high.to, sides_.seam(low, high, true, runs_[low.from], runs_[high.to]));
+            add_seam(high.from, low.to, sides_.seam(low, high, false, runs_[high.from], runs_[low.to]));
             ++seams_;
         }
         return true;
     }
 
-    void add_seam(std::uint32_t from, std::uint32_t to, double side) {
-        const double u = side * reaches_[runs_[from].sector];
-        RationalCurve2 curve;
-        begin_joined(curve, 1, 1);
-        curve.points = {{u, end(runs_[from]).y(), 1}, {u, start(runs_[to]).y(), 1}};
+    void add_seam(std::uint32_t from, std::uint32_t to, RationalCurve2 curve) {
         next_[from] = static_cast<std::uint32_t>(runs_.size());
         next_.push_back(to);
-        runs_.push_back({{{}, seams_, false, std::move(curve)}, runs_[from].sector});
+        runs_.push_back({{{}, seams_, false, std::move(curve)}, runs_[from].within});
+    }
+
+    // Nothing crosses the circle: it is a seam unless the face is all on one side of it.
+    void add_circle(const std::vector<std::vector<BoundaryRun>>& loops) {
+        const auto encloses = [](const std::vector<BoundaryRun>& loop) {
+            std::vector<TrimCurve> trims;
+            for (const BoundaryRun& run : loop) trims.push_back(run.trim);
+            return signed_area(trims) > 0;
+        };
+        if (std::ranges::any_of(loops, encloses)) return;
+        for (const bool is_before : {true, false}) {
+            next_.push_back(static_cast<std::uint32_t>(runs_.size()));
+            runs_.push_back({{{}, seams_, false, sides_.circle(is_before)}, is_before ? 0u : 1u});
+        }
+        ++seams_;
     }
 
     // Calls use(point) along a loop, finely enough for its shape.
@@ -144,11 +244,11 @@ private:
         return odd;
     }
 
-    const std::span<const double> reaches_;
+    const Sides& sides_;
     std::uint32_t& seams_;
     std::vector<BoundaryRun> runs_;
     std::vector<std::uint32_t> next_;
-    std::vector<std::vector<Crossing>> sides_;
+    std::vector<std::vector<Crossing>> crossings_;  // of each side
     bool is_closed_ = true;
 };
 
@@ -156,7 +256,12 @@ private:
 
 std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
                                              std::span<const double> reaches, std::uint32_t& seams) {
-    return Cutter(loops, reaches, seams).parts();
+    return Cutter(loops, SectorSides(reaches), seams).parts();
+}
+
+std::optional<std::vector<CutPart>> halve_face(const std::vector<std::vector<BoundaryRun>>& loops,
+                                               const CirclePoint& at, std::uint32_t& seams) {
+    return Cutter(loops, CircleSides(at), seams).parts();
 }
 
 std::array<std::array<double, 2>, 2> curve_bounds(const RationalCurve2& curve) {

@@ -56,7 +56,7 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
             patches_.push_back({});
             if (is_vessel(object) && !is_in_ball)
                 add_in_vessel(face);
-            else if (is_in_ball && !loops_[face].empty())
+            else if (is_in_ball)
                 add_in_sphere(face);
             else
                 patches_[face] = RadialPatch(problem_, form, middle(face), 0);
@@ -103,6 +103,7 @@ std::vector<Vec3> FacePatches::poles(FaceId face) const {
 // About the pole from which the face is the smallest, which takes the lowest degree: the face's middle, as
 // far as its edges' ends tell that, may be next to where it ends.
 void FacePatches::add_in_sphere(FaceId face) {
+    halvings_.emplace(face, 0);
     double smallest = infinity;
     for (const Vec3& pole : poles(face)) {
         const RadialPatch patch(problem_, diagram_.face_forms[face], pole, 0);
@@ -122,9 +123,16 @@ void FacePatches::add_in_sphere(FaceId face) {
         smallest = size;
         patches_[face] = patch;
     }
-    if (smallest == infinity)
-        throw UndecidedError("object " + to_string(problem_.sites[diagram_.face_forms[face]].front()) +
-                             ": no direction is found that its face leaves to others");
+    if (smallest == infinity) halve(face);
+}
+
+// False where it was halved in several ways before.
+bool FacePatches::halve(FaceId face) {
+    constexpr std::size_t most = 4;
+    std::size_t& attempt = halvings_[face];
+    if (attempt == most) return false;
+    halves_.insert_or_assign(face, SurfaceHalves({problem_, diagram_}, loops_, curves_, face, attempt++));
+    return true;
 }
 
 // By a margin, so that doubles can tell.
@@ -148,13 +156,12 @@ bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction, bool as
 }
 
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
+    if (can_be_halved(face)) return halve(face);
     if (is_cut(face)) return narrow(face, is_too_wide);
     if (vessel_axes_.contains(face) || !problem_.chart.is_sphere()) {
         change_and_cut(face);
         return true;
     }
-    // There is no smaller one in a sphere.
-    if (std::holds_alternative<HollowSphere>(problem_.objects[diagram_.face_forms[face]])) return false;
     wide_.resize(patches_.size());
     if (wide_[face]) return false;
     wide_[face] = true;
@@ -172,8 +179,14 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
         site.parts.push_back({.patch = patches_[face].coordinates(), .surface = &patches_[face]});
         return site;
     }
-    for (const Sector& s : sectors_[face])
-        site.parts.push_back({s.patch.coordinates(), {-s.reach(), s.reach()}, &s.patch});
+    if (const SurfaceHalves* two = halves(face)) {
+        site.parts = {two->part(0), two->part(1)};
+        return site;
+    }
+    for (const Sector& s : sectors_[face]) {
+        const PatchCoordinates& at = s.patch.coordinates();
+        site.parts.push_back({at, at[0], {-s.reach(), s.reach()}, &s.patch});
+    }
     return site;
 }
 
@@ -276,7 +289,8 @@ bool FacePatches::narrow(FaceId face, const std::vector<bool>& is_too_wide) {
     return true;
 }
 
-std::uint32_t FacePatches::sector_of(FaceId face, const Vec3& p, bool rises) const {
+std::uint32_t FacePatches::part_of(FaceId face, const Vec3& p, bool rises) const {
+    if (const SurfaceHalves* two = halves(face)) return two->half_of(p);
     const double inwards = rises ? -seam_inwards : seam_inwards;
     const auto outside = [&](const Sector& s) {
         return std::abs(s.patch.parameters(p).x() + inwards) - s.reach();

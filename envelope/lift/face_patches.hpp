@@ -1,7 +1,8 @@
 /// Which patches the faces over a sphere or a cylinder base have. Around a cylinder a face may turn further
 /// than a patch does: then the base is divided into sectors by generators, and each has a patch of its own.
 /// So may a face of a hollow tube or cone over a sphere around the vessel's axis, or hold a tip of the
-/// bisector there, and is divided about that.
+/// bisector there, and is divided about that. A face of a hollow sphere that leaves others little of all
+/// around has two halves (surface_halves.hpp).
 #pragma once
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include "radial_curves.hpp"
 #include "radial_patch.hpp"
 #include "space_arc.hpp"
+#include "surface_halves.hpp"
 #include "vessel_turns.hpp"
 
 namespace vcell::radial {
@@ -41,23 +43,41 @@ public:
 
     /// The patch of a face that is not cut.
     const RadialPatch& operator[](FaceId face) const { return patches_[face]; }
-    bool is_cut(FaceId face) const { return !sectors_[face].empty(); }
+    bool is_cut(FaceId face) const { return !sectors_[face].empty() || halves(face) != nullptr; }
     const CylinderTurns& turns() const { return turns_; }
     bool has_cuts() const {
-        return std::ranges::any_of(sectors_, [](const auto& s) { return !s.empty(); });
+        return !halves_.empty() || std::ranges::any_of(sectors_, [](const auto& s) { return !s.empty(); });
     }
-    /// The sectors of a face that is cut, once around.
+    /// The sectors of a face that is cut about an axis, once around.
     std::span<const Sector> sectors(FaceId face) const { return sectors_[face]; }
+    /// Is it a face of an ellipsoid around the base?
+    bool can_be_halved(FaceId face) const { return halvings_.contains(face); }
+    /// The halves of a face that is cut across an axis; of others null.
+    const SurfaceHalves* halves(FaceId face) const {
+        const auto found = halves_.find(face);
+        return found == halves_.end() ? nullptr : &found->second;
+    }
+    /// The patch of a sector or half of a face that is cut, and how many there are.
+    const RadialPatch& part(FaceId face, std::uint32_t i) const {
+        const SurfaceHalves* two = halves(face);
+        return two != nullptr ? two->patch(i) : sectors_[face][i].patch;
+    }
+    std::size_t part_count(FaceId face) const { return halves(face) != nullptr ? 2 : sectors_[face].size(); }
     /// The tips that lie inside a face, over a sphere.
     std::span<const VesselTip> tips(FaceId face) const {
         return tips_ ? (*tips_)[face] : std::span<const VesselTip>();
     }
-    /// The sector in which a point of a face's boundary lies, which rises there with the face on its left or
+    /// The part in which a point of a face's boundary lies, which rises there with the face on its left or
     /// falls.
-    std::uint32_t sector_of(FaceId face, const Vec3& p, bool rises) const;
+    std::uint32_t part_of(FaceId face, const Vec3& p, bool rises) const;
+    /// The patch around a point of a face, on or off its boundary. Pre: the face has no sectors.
+    const RadialPatch& patch_at(FaceId face, const Vec3& p) const {
+        const SurfaceHalves* two = halves(face);
+        return two != nullptr ? two->patch(two->half_of(p)) : patches_[face];
+    }
 
-    /// Gives a face other patches, as a weight is not positive: narrower ones in the sectors that are too
-    /// wide if it is cut. False where there are none.
+    /// Gives a face other patches, as a weight is not positive or its seams do not divide it: narrower ones
+    /// in the sectors that are too wide, or other halves, if it is cut. False where there are none.
     bool change(FaceId face, const std::vector<bool>& is_too_wide);
 
     /// Is the bisector a plane? Pre: the form has a face.
@@ -70,6 +90,7 @@ public:
 private:
     std::vector<Vec3> poles(FaceId face) const;
     void add_in_sphere(FaceId face);
+    bool halve(FaceId face);
     bool is_owned_by_others(FormId form, const Vec3& direction, bool asks_tubes) const;
     RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
     void add_in_vessel(FaceId face);
@@ -89,6 +110,8 @@ private:
     const bool has_patches_;
     IdVector<FaceId, RadialPatch> patches_;
     IdVector<FaceId, std::vector<Sector>> sectors_;
+    std::map<FaceId, SurfaceHalves> halves_;    // over a sphere, of hollow spheres' faces
+    std::map<FaceId, std::size_t> halvings_;    // how often they were looked for, of those that may have some
     std::map<FaceId, VesselAxis> vessel_axes_;  // over a sphere, of hollow tubes' and cones' faces
     std::optional<FaceTips> tips_;              // where there are such faces
     IdVector<FaceId, bool> wide_;               // over a sphere: has the patch been changed?

@@ -30,13 +30,19 @@ void FaceSurfaces::make() {
     all.reserve(surfaces_.size());
     for (const FaceId face : diagram_.face_forms.ids())
         if (diagram_.face_forms[face].valid()) all.push_back(face);
-    std::vector<EdgeId> to_fit;
-    for (const EdgeId e : diagram_.edges.ids())
-        if (fits_.is_asked_for(e)) to_fit.push_back(e);
-    fits_.grant(to_fit.size());
-    if (problem_.chart.is_sphere() && !to_fit.empty())
+    const auto asked_for = [&] {
+        std::vector<EdgeId> edges;
+        for (const EdgeId e : diagram_.edges.ids())
+            if (fits_.is_asked_for(e)) edges.push_back(e);
+        return edges;
+    };
+    std::vector<EdgeId> to_fit = asked_for();
+    if (problem_.chart.is_sphere() && !to_fit.empty()) {
         for (const FaceId face : all)
             if (!patches_.is_cut(face) && !holds_vertices(face)) change_patch(face);
+        to_fit = asked_for();
+    }
+    fits_.grant(to_fit.size());
     for (const EdgeId e : to_fit) fits_.fit(e);
     if (fits_.refine())
         for (const EdgeId e : to_fit) fits_.fit(e);
@@ -98,41 +104,7 @@ bool FaceSurfaces::make_surface(FaceId face) {
 
 // ---- Faces with one patch ---------------------------------------------------------------------------
 
-// A face without edges is all of an ellipsoid: two patches about its poles, which share the circle half-way.
-// Seen from the base's centre, a focus, that is farther from the one than from the other.
-bool FaceSurfaces::make_closed(FaceId face) {
-    const FormId form = diagram_.face_forms[face];
-    const auto& vessel = std::get<HollowSphere>(problem_.objects[form]);
-    const double length = vessel.center.norm(), sum = vessel.radius + problem_.chart.radius,
-                 reach = std::sqrt((sum + length) / (sum - length));
-    const Vec3 pole = length > 0 ? Vec3(-vessel.center / length) : Vec3(Vec3::UnitZ());
-    const RadialPatch front(problem_, form, pole, 0), back(problem_, form, -pole, 0);
-    const std::uint32_t seam = seams_++;
-    surfaces_[face].clear();
-    for (const RadialPatch* patch : {&front, &back}) {
-        const double half = patch == &front ? reach : 1 / reach;
-        const Rectangle box{{{-half, half}, {-half, half}}};
-        double rounding = 0;
-        std::optional<RationalPatch> surface = patch->patch(box[0], box[1], problem_.frame, rounding);
-        if (!surface) return false;
-        // Counter-clockwise about its own pole, from one point for both.
-        RationalCurve2 circle;
-        begin_joined(circle, 2, 4);
-        const Vec3 turned = patch->axes()[2].cross(front.axes()[0]);
-        for (int k = 0; k <= 8; ++k) {
-            constexpr std::array<std::array<int, 2>, 8> corners{
-                {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
-            const Vec3 p = corners[k % 8][0] * front.axes()[0] + corners[k % 8][1] * turned;
-            circle.points.push_back({half * p.dot(patch->axes()[0]), half * p.dot(patch->axes()[1]),
-                                     k % 2 == 0 ? 1 : std::sqrt(0.5)});
-        }
-        surfaces_[face].push_back({std::move(*surface), {{{{}, seam, false, std::move(circle)}}}});
-    }
-    return true;
-}
-
 bool FaceSurfaces::make_whole(FaceId face) {
-    if (loops_[face].empty()) return make_closed(face);
     if (lacks_digits(face)) return false;
     const RadialPatch& patch = patches_[face];
     TrimmedPatch& result = whole(face);
@@ -140,7 +112,7 @@ bool FaceSurfaces::make_whole(FaceId face) {
     const Rectangle box = bounds(face);
     double rounding = 0;
     std::optional<RationalPatch> surface = patch.patch(box[0], box[1], problem_.frame, rounding);
-    if (!surface) return false;
+    if (!is_good(face, surface)) return false;
     forget_roundings(face);
     note_roundings(face, patch, box, result.loops, rounding);
     result.surface = std::move(*surface);
@@ -190,7 +162,13 @@ bool FaceSurfaces::holds_vertices(FaceId face) const {
         extend_by_rectangle(box, {{{p.x(), p.x()}, {p.y(), p.y()}}});
     });
     double rounding;
-    return box[0][0] > box[0][1] || patch.patch(box[0], box[1], problem_.frame, rounding);
+    return box[0][0] > box[0][1] || is_good(face, patch.patch(box[0], box[1], problem_.frame, rounding));
+}
+
+// Halves need lower degrees than a patch that reaches far around, and lose fewer digits.
+bool FaceSurfaces::is_good(FaceId face, const std::optional<RationalPatch>& surface) const {
+    constexpr int highest_degree = 6;
+    return surface && (surface->degree_u <= highest_degree || !patches_.can_be_halved(face));
 }
 
 // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in
@@ -228,9 +206,11 @@ double FaceSurfaces::note_roundings(FaceId face, const RadialPatch& patch, const
     return most;
 }
 
-// Trims that turn too far have their conics halved, and all trims of these are made again.
+// Trims that turn too far have their conics halved, and all trims of these are made again. Those beside
+// halves were divided for their trims before.
 void FaceSurfaces::halve_for_trims() {
     sort_unique(bent_);
+    std::erase_if(bent_, [&](EdgeId e) { return fits_.is_beside_halves(e); });
     for (const EdgeId e : bent_) {
         // Where one face is none of the cell's the other one tells.
         const auto patch = [&](unsigned side) {
@@ -253,7 +233,7 @@ void FaceSurfaces::halve_for_trims() {
     }
 }
 
-// ---- Faces in sectors -------------------------------------------------------------------------------
+// ---- Faces in parts ---------------------------------------------------------------------------------
 
 bool FaceSurfaces::make_cut(FaceId face) {
     constexpr int most_failures = 3;
@@ -261,34 +241,43 @@ bool FaceSurfaces::make_cut(FaceId face) {
     constexpr double wide = 2.5;
     const std::span<const Sector> sectors = patches_.sectors(face);
     Cut& cut = cuts_[face];
-    std::vector<double> reaches;
-    for (const Sector& s : sectors) reaches.push_back(s.reach());
     surfaces_[face].clear();
     forget_roundings(face);
-    cut.is_too_wide.assign(sectors.size(), false);
+    cut.is_too_wide.assign(patches_.part_count(face), false);
     const std::uint32_t first_seam = seams_;
-    std::optional<std::vector<CutPart>> parts = cut_face(trims_.all_runs(face), reaches, seams_);
+    std::optional<std::vector<CutPart>> parts = cut_parts(face);
     if (!parts) {  // elsewhere the seams may be clear of its edges
         loops_.around(face, [&](EdgeId e, bool) { fits_.require_proof(e); });
         if (++cut.failures > most_failures) throw_undecided(face);
-        cut.is_too_wide.assign(sectors.size(), true);
+        cut.is_too_wide.assign(cut.is_too_wide.size(), true);
         return false;
     }
-    match_seams(face, *parts, first_seam);
+    if (!sectors.empty()) match_seams(face, *parts, first_seam);
     for (CutPart& part : *parts) {
         const Rectangle box = loop_domain(part.loops.front());
-        const RadialPatch& patch = sectors[part.sector].patch;
+        const RadialPatch& patch = patches_.part(face, part.within);
         double rounding = 0;
         auto surface = patch.patch(box[0], box[1], problem_.frame, rounding);
         if (surface) rounding = note_roundings(face, patch, box, part.loops, rounding);
-        const bool is_blurred = rounding > fits_.tolerance() && sectors[part.sector].width() > wide;
+        const bool is_blurred =
+            rounding > fits_.tolerance() && !sectors.empty() && sectors[part.within].width() > wide;
         if (!surface || is_blurred) {
-            cut.is_too_wide[part.sector] = true;
+            cut.is_too_wide[part.within] = true;
             continue;
         }
         surfaces_[face].push_back({std::move(*surface), std::move(part.loops)});
     }
     return std::ranges::find(cut.is_too_wide, true) == cut.is_too_wide.end();
+}
+
+std::optional<std::vector<CutPart>> FaceSurfaces::cut_parts(FaceId face) {
+    if (const SurfaceHalves* two = patches_.halves(face))
+        return halve_face(
+            trims_.runs(face), [&](double angle, std::uint32_t half) { return two->at(angle, half); },
+            seams_);
+    std::vector<double> reaches;
+    for (const Sector& s : patches_.sectors(face)) reaches.push_back(s.reach());
+    return cut_face(trims_.all_runs(face), reaches, seams_);
 }
 
 // A generator's conic has v as a rational parameter for either sign of d, so where the signs differ on the
@@ -304,7 +293,7 @@ void FaceSurfaces::match_seams(FaceId face, std::vector<CutPart>& parts, std::ui
             for (TrimCurve& trim : loop)
                 if (trim.seam)
                     sides[*trim.seam - first_seam][trim.curve.points[0].x() < 0] = {
-                        &trim.curve, &patches_.sectors(face)[part.sector].patch};
+                        &trim.curve, &patches_.sectors(face)[part.within].patch};
     for (const auto& [left, right] : sides) {
         if (left.patch->along() == right.patch->along()) continue;
         const Vec2 half_way = 0.5 * (left.curve->points[0] + left.curve->points[1]).head<2>();

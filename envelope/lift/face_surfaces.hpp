@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "based_diagram.hpp"
@@ -33,9 +34,9 @@ public:
     double rounding(EdgeId e) const { return std::max(roundings_[e][0], roundings_[e][1]); }
 
 private:
-    // What became of a face in sectors.
+    // What became of a face in parts.
     struct Cut {
-        std::vector<bool> is_too_wide;  // of each sector
+        std::vector<bool> is_too_wide;  // of each part
         int failures = 0;
     };
 
@@ -45,12 +46,13 @@ private:
     [[noreturn]] void throw_undecided(FaceId face) const;
     bool make_surface(FaceId face);
     bool make_whole(FaceId face);
-    bool make_closed(FaceId face);
     bool make_cut(FaceId face);
+    std::optional<std::vector<CutPart>> cut_parts(FaceId face);
     void match_seams(FaceId face, std::vector<CutPart>& parts, std::uint32_t first_seam) const;
     Rectangle bounds(FaceId face);
     void extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim);
     bool holds_vertices(FaceId face) const;
+    bool is_good(FaceId face, const std::optional<RationalPatch>& surface) const;
     bool lacks_digits(FaceId face) const;
     double enough_digits() const { return fits_.tolerance() / 16; }
     void forget_roundings(FaceId face);

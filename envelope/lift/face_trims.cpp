@@ -13,20 +13,18 @@ std::vector<std::vector<TrimCurve>> FaceTrims::loops(FaceId face) const {
 
 std::vector<std::vector<BoundaryRun>> FaceTrims::runs(FaceId face) const {
     std::vector<std::vector<BoundaryRun>> result;
-    const auto patch = [&](std::uint32_t sector) -> const RadialPatch& {
-        return patches_.sectors(face)[sector].patch;
-    };
     for (const CcbId ccb : loops_[face]) {
         std::vector<BoundaryRun>& loop = result.emplace_back();
         loops_.around(ccb, [&](EdgeId e, bool reversed) {
             const std::size_t n = curves_.size(e);
-            const auto sector = [&](std::size_t i) { return sector_of(face, e, reversed, i); };
+            const auto part = [&](std::size_t i) { return part_of(face, e, reversed, i); };
             for (std::size_t first = 0, last; first < n; first = last) {
-                const std::uint32_t in = sector(first);
+                const std::uint32_t in = part(first);
                 last = first + 1;
-                while (last < n && sector(last) == in) ++last;
+                while (last < n && part(last) == in) ++last;
                 loop.push_back({{e.value, {}, reversed, {}}, in});
-                set_trim(curves_, patch(in), {e, reversed, first, last}, loop.back().trim.curve);
+                set_trim(curves_, patches_.part(face, in), {e, reversed, first, last},
+                         loop.back().trim.curve);
             }
         });
     }
@@ -53,16 +51,15 @@ std::vector<std::vector<BoundaryRun>> FaceTrims::all_runs(FaceId face) const {
     return result;
 }
 
-std::uint32_t FaceTrims::sector_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const {
+std::uint32_t FaceTrims::part_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const {
     if (curves_.is_line(e)) {
         const Eigen::Vector4d &from = curves_.from(e), &to = curves_.to(e);
-        return patches_.sector_of(face, 0.5 * (from + to).head<3>(), (from.y() < to.y()) != reversed);
+        return patches_.part_of(face, 0.5 * (from + to).head<3>(), (from.y() < to.y()) != reversed);
     }
     const std::size_t k = reversed ? curves_.size(e) - 1 - span : span;
     if (curves_.is_spline(e)) return curves_.splines(e)[k].part[reversed];
     const ConicSpan& s = curves_.conics(e)[k];
-    return patches_.sector_of(face, (s.from + 2 * s.middle + s.to).head<3>() / (2 + 2 * s.weight),
-                              (s.from.y() < s.to.y()) != reversed);
+    return patches_.part_of(face, s.half_way(), (s.from.y() < s.to.y()) != reversed);
 }
 
 void FaceTrims::set(const RadialPatch& patch, EdgeId e, bool reversed, RationalCurve2& curve) const {

@@ -19,7 +19,7 @@ public:
 
     /// The trims of a face that is not cut, in the order of its loops.
     std::vector<std::vector<TrimCurve>> loops(FaceId face) const;
-    /// The loops of a face that is cut, as runs of spans within one sector.
+    /// The loops of a face that is cut, as runs of spans within one part.
     std::vector<std::vector<BoundaryRun>> runs(FaceId face) const;
     /// With what the face has beside its tips: lines of the sectors' parameters that are one point of space
     /// each, along no edge and no seam.
@@ -28,7 +28,7 @@ public:
     void set(const RadialPatch& patch, EdgeId e, bool reversed, RationalCurve2& curve) const;
 
 private:
-    std::uint32_t sector_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const;
+    std::uint32_t part_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const;
 
     const FaceLoops& loops_;
     const FacePatches& patches_;

@@ -19,14 +19,16 @@
 namespace vcell {
 
 /// Which part of a face a boundary runs in that may run along a seam: the one with the point this far inside
-/// the face, in u.
+/// the face, in what is counted across the seam.
 constexpr double seam_inwards = 0x1p-32;
 
-/// A patch and the stretch of u for which it is used: a face that wraps around needs several.
+/// A patch and the range of a function across its seams for which it is used: a face that wraps around needs
+/// several.
 struct SpacePart {
     PatchCoordinates patch;
-    std::array<double, 2> u{-std::numeric_limits<double>::infinity(),
-                            std::numeric_limits<double>::infinity()};
+    PatchCoordinate across{};
+    std::array<double, 2> range{-std::numeric_limits<double>::infinity(),
+                                std::numeric_limits<double>::infinity()};
     const RadialPatch* surface = nullptr;  ///< with these coordinates, of polynomials (P, w)(u, v)
 };
 

@@ -18,11 +18,11 @@ double seam_width(const Points& points, const Linear& f, double tolerance) {
     return std::min(0x1p-32 * magnitude(points, f), 0.25 * tolerance);
 }
 
-// The linear function of X that vanishes where u is at an end of its range, if the span crosses that.
+// The linear function of X that vanishes on a seam, if the span crosses that.
 std::optional<Linear> crossed_seam(const SpacePart& part, const Points& points, double tolerance) {
     for (int k = 0; k < 2; ++k) {
-        if (!std::isfinite(part.u[k])) continue;
-        const Linear f = part.patch[0].numerator - part.u[k] * part.patch[0].divisor;
+        if (!std::isfinite(part.range[k])) continue;
+        const Linear f = part.across.numerator - part.range[k] * part.across.divisor;
         const auto values = (f.head<4>().transpose() * points.topRows<4>()).array() + f[4];
         const double outermost = k == 0 ? values.minCoeff() : -values.maxCoeff();
         if (outermost < -seam_width(points, f, tolerance)) return f;
@@ -83,14 +83,14 @@ Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
     for (int side = 0; side < 2; ++side) {
         const std::vector<SpacePart>& parts = arc.sites[side].parts;
         if (parts.empty()) continue;
-        // Along a seam, of which v is one and the same increasing function in all parts.
+        // Along a seam from an axis, of which v is one and the same increasing function in all parts.
         const PatchCoordinate& v = parts.front().patch[1];
         const bool rises = (v(point(points, 0)) < v(point(points, 1))) == (side == 0);
         const auto outside = [&](const SpacePart& part) {
-            const PatchCoordinate& c = part.patch[0];
+            const PatchCoordinate& c = part.across;
             if (!(at(c.divisor, X) > 0)) return infinity;
-            const double u = c(X) + (rises ? -seam_inwards : seam_inwards);
-            return std::max(part.u[0] - u, u - part.u[1]);
+            const double x = c(X) + (rises ? -seam_inwards : seam_inwards);
+            return std::max(part.range[0] - x, x - part.range[1]);
         };
         auto best = std::ranges::min_element(parts, {}, outside);
         trims.seam = crossed_seam(*best, points, tolerance);

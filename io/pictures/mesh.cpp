@@ -21,6 +21,20 @@ namespace vcell {
 
 namespace {
 
+// What of a face lies along no edge: seams, which show how far one reaches that has next to no edges, and
+// tips.
+void extend_by_seams(Eigen::AlignedBox3d& box, const CellFace& face) {
+    constexpr int pieces = 16;
+    for (const TrimmedPatch& patch : face.patches)
+        for (const auto& loop : patch.loops)
+            for (const TrimCurve& c : loop)
+                for (int i = 0; i <= pieces && !c.edge; ++i) {
+                    const double begin = c.curve.domain_begin(), end = c.curve.domain_end();
+                    const Vec2 uv = c.curve.evaluate(begin + (end - begin) * i / pieces);
+                    box.extend(patch.surface.evaluate(uv.x(), uv.y()));
+                }
+}
+
 // A chord is no longer than that part of what its edge or face measures itself, which may be far below the
 // cell's.
 Chords chords_of(const Shell& shell, double most, double of_own) {
@@ -40,6 +54,7 @@ Chords chords_of(const Shell& shell, double most, double of_own) {
         Eigen::AlignedBox3d box;
         for (const TrimCurve& c : shell.faces[f].trims())
             if (c.edge) box.extend(boxes[*c.edge]);
+        extend_by_seams(box, shell.faces[f]);
         if (!box.isEmpty()) chords.of_faces[f] = std::min(most, of_own * box.diagonal().norm());
     }
     return chords;
@@ -182,6 +197,7 @@ double cell_diagonal(const Cell& cell) {
         if (std::ranges::all_of(e.curve.points, is_inside)) continue;
         for (int i = 0; i <= pieces; ++i) box.extend(e.curve.evaluate(begin + (end - begin) * i / pieces));
     }
+    for (const CellFace& face : cell.faces) extend_by_seams(box, face);
     // Edges over the rim show how far a plane's region or a cylinder's stretch goes.
     if (const auto* sphere = std::get_if<Sphere>(&cell.scene.base)) {
         box.extend(sphere->center - Vec3::Constant(sphere->radius));

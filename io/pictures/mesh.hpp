@@ -50,7 +50,7 @@ struct CellMesh {
 };
 
 /// The diagonal of the smallest axis-parallel box about the base (a plane's region, a cylinder's stretch) and
-/// the cell's edges, to a few percent: the size of a picture of the cell, however large its box is.
+/// the cell's edges and seams, to a few percent: the size of a picture of the cell, however large its box is.
 double cell_diagonal(const Cell& cell);
 
 /// Every edge of the cell is sampled once and both of its faces share these points, so the mesh has no

@@ -197,10 +197,10 @@ TEST_CASE("space splines: rims, open and closed, and faces in several parts") {
         c.sites = {SpaceSite{mirrored, false, {}}, SpaceSite{Plane{{0, end * y, 0}, {0, end, 0}}, true, {}}};
         for (const double angle : {0.3, 2.4, 4.5}) {
             const Vec3 zero(std::sin(angle), 0, std::cos(angle));
-            c.sites[0].parts.push_back(
-                {{PatchCoordinate::half_angle(Vec3::Zero(), zero, Vec3::UnitY().cross(zero), 0),
-                  PatchCoordinate::linear(Vec3::UnitY(), Vec3::Zero())},
-                 {-std::tan(0.525), std::tan(0.525)}});
+            const auto across = PatchCoordinate::half_angle(Vec3::Zero(), zero, Vec3::UnitY().cross(zero), 0);
+            c.sites[0].parts.push_back({{across, PatchCoordinate::linear(Vec3::UnitY(), Vec3::Zero())},
+                                        across,
+                                        {-std::tan(0.525), std::tan(0.525)}});
         }
         SpaceArc arc;
         arc.sites = c.sites;
