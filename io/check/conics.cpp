@@ -91,11 +91,16 @@ Conic::Conic(const Span& span, bool about_sphere) {
 
 std::optional<Conic::Integrand> Conic::integrand(const Shadow& shadow) const {
     if (const auto* r = std::get_if<Revolved>(&shadow)) {
+        if (squared_size_ && r->start) return std::nullopt;
         if (squared_size_)
             return RoundAlongLine{weighted_sum(r->axis, moment_), weighted_sum(r->axis, position_), r};
         if (!size_) return std::nullopt;
         const Quadratic along = weighted_sum(r->axis, position_), near = r->A * along + r->B * *size_;
-        return Round{weighted_sum(r->axis, moment_), *size_ + along, near, r->b1 * *size_ + near, r};
+        Round round{weighted_sum(r->axis, moment_), *size_ + along, near, r->b1 * *size_ + near, r};
+        if (r->start)
+            round.from_start = {weighted_sum(*r->start, moment_),
+                                *size_ + weighted_sum(*r->start, position_)};
+        return round;
     }
     // About a point of the plane: x dy - y dx, and coordinates.
     const auto turn = [&](const MidRad& x, const MidRad& y) {
@@ -197,7 +202,9 @@ std::array<T, 3> round_values(const Revolved& form, const T& size, const T& dete
 }
 template <class T>
 std::array<T, 3> values(const Conic::Round& f, const T& s, const Conic::Place<T>& p) {
-    return round_values(*f.form, p.size, f.turn.at(s), f.around.at(s), f.near.at(s), f.sum.at(s));
+    auto values = round_values(*f.form, p.size, f.turn.at(s), f.around.at(s), f.near.at(s), f.sum.at(s));
+    if (const auto& start = f.from_start) values[2] = (*start)[0].at(s) / ((*start)[1].at(s) * p.size);
+    return values;
 }
 template <class T>
 std::array<T, 3> values(const Conic::RoundAlongLine& f, const T& s, const Conic::Place<T>& p) {

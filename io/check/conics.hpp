@@ -58,6 +58,8 @@ public:
     struct Round {
         Quadratic turn, around, near, sum;
         const Revolved* form;
+        std::optional<std::array<Quadratic, 2>> from_start =
+            std::nullopt;  ///< turn, around, where it has one
     };
     /// Along a line |n|^2 is of degree two.
     struct RoundAlongLine {

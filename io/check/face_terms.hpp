@@ -15,12 +15,16 @@ MidRad artanh_ratio(const MidRad& x);
 Approximate artanh_ratio(const Approximate& x);
 Traced artanh_ratio(const Traced& x);
 
+/// arctan(x) / x, by the square of x.
+MidRad arctan_ratio(const MidRad& square_of_x);
+Approximate arctan_ratio(const Approximate& square_of_x);
+
 /// The area's integral about a sphere from the direction z to the axis, divided by 1 - z and K^2: with b = A
 /// z + B,
 ///     int sqrt(E + 2 B b) / b^3 db / (b1 - b),
 /// of which the antiderivative is -s / (2 b^2) - B s / (2 E b) - (B^2 / E) artanh(sqrt(E) / s) / sqrt(E) up
 /// to a sign in the last, s = sqrt(E + 2 B b). Differences of roots are quotients, so that nothing cancels
-/// near the axis.
+/// near the axis. Of an ellipsoid E is negative, and the last is an arctan.
 template <class T>
 T antiderivative(const Revolved& r, const T& b) {
     const T b1(r.b1), B(r.B), E(r.E);
@@ -32,6 +36,10 @@ T antiderivative(const Revolved& r, const T& b) {
     const T first = (s * (b1 + b) - 2.0 * (B * square(b)) / sum) / (2.0 * square(b * b1));
     if (r.B.magnitude() == 0) return first;
     const T second = B / (2.0 * E) * (s - 2.0 * (B * b) / sum) / (b * b1);
+    if (r.E.upper() < 0) {
+        const T ratio = 2.0 * B / (sum * (s * s1 - E)), x2 = -E * square((b1 - b) * ratio);
+        return first + second - square(B) / E * ratio * T(arctan_ratio(x2));
+    }
     const T ratio = (s * s1 + E) / (sum * (E * (b + b1) + 2.0 * (B * b * b1)));
     const T x = sqrt(E) * (b1 - b) * ratio;
     return first + second - square(B) / E * ratio * T(artanh_ratio(x));

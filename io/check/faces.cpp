@@ -51,6 +51,9 @@ private:
                 if (trim.curve->is_tip() && face.site.is_object())
                     judged.tips = tips_of(space(), scene_.objects[face.site.index]);
             }
+        // Nothing is stated of a patch without an edge: what rounding leaves of it is told by what is proved.
+        constexpr double of_rounding = 16;
+        if (judged.stated == 0) judged.stated = of_rounding * judged.width;
         // What is more is refuted at the edge. Towards a tip rounding is divided by less and less.
         judged.stated = std::min(judged.stated, most_stated(0));
         if (!judged.tips.empty()) judged.stated = std::max(judged.stated, scene_tolerance());

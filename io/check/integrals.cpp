@@ -118,6 +118,74 @@ std::optional<std::array<bool, 2>> held_tips(const Interval& turn, const Interva
     return std::nullopt;
 }
 
+/// The shadow's area for each area beside a span, at most.
+double shadow_of_area(const Object& base, const Span& span) {
+    if (std::holds_alternative<Plane>(base)) return 1;
+    const bool is_sphere = std::holds_alternative<Sphere>(base);
+    const Place<MidRad> place = span.at(MidRad::ball(0, 1));
+    const Triad<MidRad> p = place.whole();
+    const MidRad off = square(p[0]) + square(p[1]) + (is_sphere ? square(p[2]) : MidRad(0.0));
+    const double squared = std::max(0.0, (off / square(place.w)).lower());
+    return 1 / (is_sphere ? squared : std::sqrt(squared));
+}
+
+/// Under a plane's rim a wall as high as the edge, which begins at that height where rays come in there;
+/// at a cylinder's end the disc sector below it.
+Interval side_beside(const Cell& cell, std::size_t e, const EdgeUse& use, const Span& span, double enough,
+                     int parts) {
+    std::array<Interval, 1> sum{};
+    Effort effort{parts};
+    if (std::holds_alternative<Plane>(cell.scene.base)) {
+        // The shadow is straight: its length is the way along its chord.
+        const Place<MidRad> a = span.at(MidRad(-1.0)), b = span.at(MidRad(1.0));
+        const MidRad x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w, z = span.origin[2];
+        const MidRad chord = sqrt(square(x) + square(y));
+        if (!(chord.lower() > 0)) {
+            const Interval height =
+                z.enclosure() + hull((a.n[2] / a.w).enclosure(), (b.n[2] / b.w).enclosure());
+            const Interval wall = chord.enclosure() * height;
+            return use.is_entered ? -wall : wall;
+        }
+        const MidRad share = MidRad(1.0) / chord;
+        integrate<1>(
+            [&]<class T>(const T& s) {
+                const Place<T> p = span.at(s);
+                const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
+                return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(share) / square(p.w)};
+            },
+            -1, 1, {enough}, sum, effort);
+        return use.is_entered ? -sum[0] : sum[0];
+    }
+    integrate<1>(
+        [&]<class T>(const T& s) {
+            const Place<T> p = span.at(s);
+            const Triad<T> n = p.whole(), dn = p.whole_derivative();
+            return std::array<T, 1>{0.5 * (n[0] * dn[1] - n[1] * dn[0]) / square(p.w)};
+        },
+        -1, 1, {enough}, sum, effort);
+    // The face is on the left: around the lower end it runs with the angle, around the upper against it.
+    const bool is_upper = std::ranges::find(cell.edges[e].sites, Site::end(1)) != cell.edges[e].sites.end();
+    const bool with_angle = is_upper == use.reversed;
+    return with_angle ? sum[0] : -sum[0];
+}
+
+/// What both faces beside a conic take, and its length.
+struct AlongConic {
+    const Conic& conic;
+    const std::array<std::optional<Conic::Integrand>, 2>& integrands;
+
+    template <class T>
+    std::array<T, 7> operator()(const T& s) const {
+        const auto p = conic.at(s);
+        std::array<T, 7> values{};
+        for (std::size_t k = 0; k < 2; ++k)
+            if (integrands[k]) std::ranges::copy(densities(*integrands[k], s, p), values.begin() + 3 * k);
+        values[6] = p.speed;
+        return values;
+    }
+    bool is_singular(const Disc& s) const { return conic.is_speed_singular(s); }
+};
+
 class Summation {
 public:
     Summation(const Cell& cell, const Frame& frame, const std::vector<std::vector<EdgeUse>>& uses,
@@ -148,11 +216,20 @@ public:
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             if (outlined_[f].points.empty()) add_closed(f);
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) add_edge(e);
-        for (std::size_t f = 0; f < turns_.size(); ++f) add_held_tips(f);
+        for (std::size_t f = 0; f < turns_.size(); ++f) {
+            add_held_tips(f);
+            add_held_pole(f);
+            add_by_fan(f);
+        }
         return std::move(sums_);
     }
 
 private:
+    /// The face's form where it is part of a spheroid.
+    const Revolved* closed(std::size_t f) const {
+        const auto* r = shadows_[f] ? std::get_if<Revolved>(&*shadows_[f]) : nullptr;
+        return r && r->start ? r : nullptr;
+    }
     /// A face without edges: all of a spheroid, or of the bisector in a hollow tube or cone.
     void add_closed(std::size_t f) {
         const Scene& scene = cell_.scene;
@@ -180,6 +257,41 @@ private:
         for (const std::size_t tip : {0, 1})
             if (holds && (*holds)[tip]) add_tip(f, fan->equation, *fan->along_wall, tip);
     }
+    /// A face in a hollow sphere that has the end of the axis where integrals are singular lacks all of the
+    /// spheroid: its solid angle from there is less by all of it than that from where nothing is lacking.
+    void add_held_pole(std::size_t f) {
+        if (!closed(f)) return;
+        constexpr double whole = 4 * std::numbers::pi, less_than_half = 6;
+        FaceIntegrals& face = sums_.faces[f];
+        const Interval lacking = face.shadow - turns_[f];
+        if (lacking.magnitude() < less_than_half) return;
+        std::optional<FaceIntegrals> all;
+        if ((lacking - whole).magnitude() < less_than_half)
+            all = spheroid(cell_.scene, frame_, cell_.faces[f].site, {enough_[0], enough_[1]}, effort_);
+        const Interval unknown(-HUGE_VAL, HUGE_VAL);
+        face.volume = all ? face.volume + all->volume : unknown;
+        face.area = all ? face.area + all->area : unknown;
+    }
+    /// What edges next to where integrals are singular left unknown is integrated from the start instead.
+    void add_by_fan(std::size_t f) {
+        constexpr double poor = 0x1p-16;
+        FaceIntegrals& face = sums_.faces[f];
+        const Revolved* r = closed(f);
+        const auto is_told = [](const Interval& x) {
+            return x.radius() < HUGE_VAL && x.radius() <= poor * x.magnitude();
+        };
+        if (!r || (is_told(face.area) && is_told(face.volume))) return;
+        const auto equation = equation_of(cell_.scene, frame_, cell_.faces[f].site, {});
+        const Fan fan{Fan::Base::sphere, *equation, *r->start};
+        face = {};
+        for (std::size_t e = 0; e < uses_.size(); ++e)
+            for (const EdgeUse& use : uses_[e])
+                if (use.face == f)
+                    for (const Span& span : spans(cell_.edges[e].curve, frame_)) {
+                        add_fan(e, use, fan, span);
+                        add_shadow(e, use, fan, span);
+                    }
+    }
     void add_tip(std::size_t f, const Equation& equation, const MidRad& start, std::size_t tip) {
         FaceIntegrals& face = sums_.faces[f];
         face.is_proved = face.is_proved && proofs_[f].has_value();
@@ -199,6 +311,10 @@ private:
                 if (!shadow) continue;
                 const auto* fan = std::get_if<Fan>(&*shadow);
                 if (fan) add_fan(e, uses_[e][k], *fan, span);
+                if (const auto* r = closed(uses_[e][k].face)) {
+                    add_around(uses_[e][k], *shadow, *r, span);
+                    continue;
+                }
                 // A fan gives its shadow here, in one go with the other face beside a spline: evaluating that
                 // is what takes time.
                 if (k < 2 && (!fan || span.degree() > 2))
@@ -212,7 +328,8 @@ private:
                                                          : add_direct(e, direct, span);
             sums_.lengths[e] += length;
             add_slack(e, span, length);
-            if (uses_[e].size() == 1) add_side(e, span);
+            if (uses_[e].size() == 1)
+                sums_.sides += side_beside(cell_, e, uses_[e][0], span, enough_[1], effort_);
         }
     }
 
@@ -312,38 +429,46 @@ private:
         return segment.length().enclosure();
     }
 
-    struct AlongConic {
-        const Conic& conic;
-        const std::array<std::optional<Conic::Integrand>, 2>& integrands;
-
-        template <class T>
-        std::array<T, 7> operator()(const T& s) const {
-            const auto p = conic.at(s);
-            std::array<T, 7> values{};
-            for (std::size_t k = 0; k < 2; ++k)
-                if (integrands[k]) std::ranges::copy(densities(*integrands[k], s, p), values.begin() + 3 * k);
-            values[6] = p.speed;
-            return values;
-        }
-        bool is_singular(const Disc& s) const { return conic.is_speed_singular(s); }
-    };
-
     /// What of a turn is known to less than a whole one in all tells it: whatever the effort, as without it
     /// nothing is known.
-    void add_turn(const EdgeUse& use, const Fan& fan, const Span& span) {
+    template <class F>
+    void add_turn(const EdgeUse& use, const Span& span, const F& density) {
         constexpr int parts = 1024;
         std::array<Interval, 1> turn{};
         Effort effort{parts};
-        const VesselTips tips(fan.equation);
-        integrate<1>([&]<class T>(const T& s) { return std::array<T, 1>{turn_between(tips, span.at(s))}; },
-                     -1, 1, {32 * share_}, turn, effort);
+        integrate<1>([&]<class T>(const T& s) { return std::array<T, 1>{density(span.at(s))}; }, -1, 1,
+                     {32 * share_}, turn, effort);
         Interval& sum = turns_[use.face];
         sum = use.reversed ? sum - turn[0] : sum + turn[0];
     }
 
+    /// Around a ball in a hollow sphere.
+    void add_around(const EdgeUse& use, const Shadow& shadow, const Revolved& r, const Span& span) {
+        add_turn(use, span, [&](const auto& p) { return solid_angle(r.axis, p); });
+        const std::array<double, 3> enough{enough_[0], enough_[1], enough_of_shadows_};
+        std::array<Interval, 3> sum{};
+        Effort effort{16 * effort_};
+        std::optional<Conic> conic;
+        std::optional<Conic::Integrand> integrand;
+        if (span.degree() <= 2) integrand = conic.emplace(span, true).integrand(shadow);
+        if (integrand)
+            integrate<3>([&]<class T>(const T& s) { return densities(*integrand, s, conic->at(s)); }, -1, 1,
+                         enough, sum, effort);
+        else
+            integrate<3>(
+                [&]<class T>(const T& s) {
+                    const Densities<T> d = densities(shadow, span.at(s));
+                    return std::array<T, 3>{d.volume, d.area, d.shadow};
+                },
+                -1, 1, enough, sum, effort);
+        add(use, sum[0], sum[1], sum[2]);
+    }
+
     /// What takes two variables.
     void add_fan(std::size_t e, const EdgeUse& use, const Fan& fan, const Span& span) {
-        if (fan.along_wall) add_turn(use, fan, span);
+        if (fan.along_wall)
+            add_turn(use, span,
+                     [tips = VesselTips(fan.equation)](const auto& p) { return turn_between(tips, p); });
         std::array<Interval, 2> sum{};
         const auto density = [&]<class T>(const T& s) {
             return [section = FanSection<T>(fan, span.at(s))](const T& sigma) {
@@ -412,17 +537,6 @@ private:
         return most;
     }
 
-    /// The shadow's area for each area beside a span, at most.
-    double shadow_of_area(const Span& span) const {
-        if (std::holds_alternative<Plane>(cell_.scene.base)) return 1;
-        const bool is_sphere = std::holds_alternative<Sphere>(cell_.scene.base);
-        const Place<MidRad> place = span.at(MidRad::ball(0, 1));
-        const Triad<MidRad> p = place.whole();
-        const MidRad off = square(p[0]) + square(p[1]) + (is_sphere ? square(p[2]) : MidRad(0.0));
-        const double squared = std::max(0.0, (off / square(place.w)).lower());
-        return 1 / (is_sphere ? squared : std::sqrt(squared));
-    }
-
     // In the band beside an edge that is off by e the other face may be the true one: that changes areas by
     // the band's times the steepness of both, and volumes by the band's times how far the faces part in it,
     // at most e times their slopes.
@@ -438,7 +552,7 @@ private:
         }
         const double band = bands_[e].error * length.upper();
         const double area = band * steep, volume = bands_[e].error * area,
-                     shadow = band * shadow_of_area(span);
+                     shadow = band * shadow_of_area(cell_.scene.base, span);
         for (const EdgeUse& use : uses_[e]) {
             sums_.slack[use.face].area += area;
             sums_.slack[use.face].volume += volume;
@@ -446,49 +560,6 @@ private:
         }
         sums_.total.area += area;
         sums_.total.volume += volume;
-    }
-
-    /// Under a plane's rim a wall as high as the edge, which begins at that height where rays come in there;
-    /// at a cylinder's end the disc sector below it.
-    void add_side(std::size_t e, const Span& span) {
-        std::array<Interval, 1> sum{};
-        Effort effort{effort_};
-        if (std::holds_alternative<Plane>(cell_.scene.base)) {
-            // The shadow is straight: its length is the way along its chord.
-            const Place<MidRad> a = span.at(MidRad(-1.0)), b = span.at(MidRad(1.0));
-            const MidRad x = b.n[0] / b.w - a.n[0] / a.w, y = b.n[1] / b.w - a.n[1] / a.w, z = span.origin[2];
-            const MidRad chord = sqrt(square(x) + square(y));
-            if (!(chord.lower() > 0)) {
-                const Interval height =
-                    z.enclosure() + hull((a.n[2] / a.w).enclosure(), (b.n[2] / b.w).enclosure());
-                const Interval wall = chord.enclosure() * height;
-                sums_.sides = uses_[e][0].is_entered ? sums_.sides - wall : sums_.sides + wall;
-                return;
-            }
-            const MidRad share = MidRad(1.0) / chord;
-            integrate<1>(
-                [&]<class T>(const T& s) {
-                    const Place<T> p = span.at(s);
-                    const T dx = (p.dn[0] * p.w - p.n[0] * p.dw), dy = (p.dn[1] * p.w - p.n[1] * p.dw);
-                    return std::array<T, 1>{(T(z) + p.n[2] / p.w) * (x * dx + y * dy) * T(share) /
-                                            square(p.w)};
-                },
-                -1, 1, {enough_[1]}, sum, effort);
-            sums_.sides = uses_[e][0].is_entered ? sums_.sides - sum[0] : sums_.sides + sum[0];
-            return;
-        }
-        integrate<1>(
-            [&]<class T>(const T& s) {
-                const Place<T> p = span.at(s);
-                const Triad<T> n = p.whole(), dn = p.whole_derivative();
-                return std::array<T, 1>{0.5 * (n[0] * dn[1] - n[1] * dn[0]) / square(p.w)};
-            },
-            -1, 1, {enough_[1]}, sum, effort);
-        // The face is on the left: around the lower end it runs with the angle, around the upper against it.
-        const bool is_upper =
-            std::ranges::find(cell_.edges[e].sites, Site::end(1)) != cell_.edges[e].sites.end();
-        const bool with_angle = is_upper == uses_[e][0].reversed;
-        sums_.sides = with_angle ? sums_.sides + sum[0] : sums_.sides - sum[0];
     }
 
     const Cell& cell_;
@@ -503,7 +574,7 @@ private:
     std::size_t ellipse_ = first_ellipse;  // that was enough last
     std::vector<std::optional<Shadow>> shadows_;
     std::vector<Outline> outlined_;  // by face
-    std::vector<Interval> turns_;    // about vessels' axes, by face
+    std::vector<Interval> turns_;    // about vessels' axes, or solid angles, by face
     Integrals sums_;
 };
 

@@ -118,6 +118,17 @@ Densities<T> along(const Paraboloid& h, const Place<T>& p) {
     return below_paraboloid(h, turn, s2);
 }
 
+}  // namespace
+
+template <class T>
+T solid_angle(const Triad<MidRad>& from, const Place<T>& p) {
+    const Triad<T> n = p.whole(), dn = p.whole_derivative();
+    const T size = sqrt(squared_norm(n));
+    return determinant(from, n, dn) / (size * (size + dot(from, n)));
+}
+
+namespace {
+
 // About the axis by phi: an integral over z times dphi, dphi = det(axis, p, dp) / (|p|^2 (1 - z^2)).
 template <class T>
 Densities<T> along(const Revolved& r, const Place<T>& p) {
@@ -127,7 +138,8 @@ Densities<T> along(const Revolved& r, const Place<T>& p) {
     const T turn = determinant(r.axis, n, dn) / (norm2 * (T(1.0) + z));
     const T volume = T(r.volume) * (b1 + b) / square(b) * turn;
     const T steepness = sqrt(T(r.E) + 2.0 * (r.B * b)) / b;
-    return {volume, T(r.K2) * revolved_area(r, b) * turn, turn, steepness};
+    const T shadow = r.start ? solid_angle(*r.start, p) : turn;
+    return {volume, T(r.K2) * revolved_area(r, b) * turn, shadow, steepness};
 }
 
 template <class T>
@@ -232,106 +244,6 @@ T steepness_of(const Other& other, const Place<T>& p) {
 
 namespace {
 
-void set_tube(Equation& equation, const Scene& scene, const Frame& frame, const Cylinder& tube) {
-    equation.kind = Equation::Kind::tube;
-    equation.c = near(frame.point(tube.point));
-    equation.d = normalized(near(frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff())));
-    // Over a plane the first runs along it, so that heights lie in the second alone, unless the tube is
-    // upright.
-    const auto* plane = std::get_if<Plane>(&scene.base);
-    const Vec3 axis = tube.axis.normalized();
-    constexpr double upright = 0.9;
-    Vec3 aside_of_axis = plane ? plane->normal.normalized() : Vec3(Vec3::Zero());
-    if (!plane || std::abs(axis.dot(aside_of_axis)) > upright) {
-        int least = 0;
-        axis.cwiseAbs().minCoeff(&least);
-        aside_of_axis = Vec3::Unit(least);
-    }
-    const Triad<MidRad> aside = near(frame.direction(aside_of_axis));
-    equation.across[0] = normalized(cross(aside, equation.d));
-    equation.across[1] = cross(equation.d, equation.across[0]);
-    for (const std::size_t i : {0, 1}) equation.across_c[i] = dot(equation.across[i], equation.c);
-    equation.delta = MidRad(frame.length(tube.radius)) - frame.radius();
-    if (plane) equation.delta = frame.length(tube.radius);
-}
-
-}  // namespace
-
-std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
-                                    std::span<const Triad<double>> points) {
-    Equation equation{};
-    equation.radius = frame.radius();
-    if (site.kind == Site::Kind::BoxSide) {
-        const int axis = static_cast<int>(site.index / 2);
-        const bool is_upper = site.index % 2;
-        equation.kind = Equation::Kind::side;
-        equation.c = near(frame.direction(is_upper ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis))));
-        equation.offset = dot(equation.c, near(frame.point(is_upper ? scene.box.max : scene.box.min)));
-        return equation;
-    }
-    if (!site.is_object()) return std::nullopt;
-    const Object& object = scene.objects[site.index];
-    if (const auto* ball = std::get_if<Sphere>(&object)) {
-        equation.kind = Equation::Kind::ball;
-        equation.c = near(frame.point(ball->center));
-        const auto* base = std::get_if<Sphere>(&scene.base);
-        equation.delta = base && base->radius == ball->radius
-                             ? MidRad(0.0)
-                             : MidRad(frame.length(ball->radius)) - frame.radius();
-        if (std::holds_alternative<Plane>(scene.base)) equation.delta = frame.length(ball->radius);
-        return equation;
-    }
-    if (const auto* tube = std::get_if<Cylinder>(&object)) {
-        set_tube(equation, scene, frame, *tube);
-        return equation;
-    }
-    if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
-        equation.kind = Equation::Kind::ball;
-        equation.is_hollow = true;
-        equation.c = near(frame.point(vessel->center));
-        equation.delta = -(MidRad(frame.length(vessel->radius)) + frame.radius());
-        return equation;
-    }
-    if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
-        const Cylinder tube{vessel->point, vessel->axis, vessel->radius};
-        set_tube(equation, scene, frame, tube);
-        equation.is_hollow = true;
-        equation.delta = -(MidRad(frame.length(vessel->radius)) + frame.radius());
-        equation.radius = -equation.delta;
-        equation.cosine = 1.0;
-        return equation;
-    }
-    if (const auto* cone = std::get_if<HollowCone>(&object)) {
-        set_tube(equation, scene, frame, Cylinder{cone->apex, cone->axis, 0});
-        equation.kind = Equation::Kind::cone;
-        equation.is_hollow = true;
-        const MidRad wide(cone->radius), slant(cone->slant);
-        equation.sine = wide / slant;
-        equation.cosine = sqrt((slant - wide) * (slant + wide)) / slant;
-        equation.radius = frame.radius();
-        return equation;
-    }
-    const auto& plane = std::get<Plane>(object);
-    equation.kind = Equation::Kind::plane;
-    equation.c = normalized(near(frame.direction(plane.normal / plane.normal.cwiseAbs().maxCoeff())));
-    equation.offset = -dot(equation.c, near(frame.point(plane.point)));
-    // The base lies on one side of it; told at the foot that is farthest away. Control points may lie beyond.
-    double best = 0;
-    for (const auto& p : points) {
-        Triad<MidRad> foot{};
-        if (std::holds_alternative<Plane>(scene.base)) foot = {p[0], p[1], 0.0};
-        if (std::holds_alternative<Cylinder>(scene.base)) foot = {0.0, 0.0, p[2]};
-        const MidRad value = dot(equation.c, foot) + equation.offset;
-        if (!(std::abs(value.mid()) > value.radius())) continue;
-        if (std::abs(value.mid()) > std::abs(best)) best = value.mid();
-    }
-    if (best == 0) return std::nullopt;
-    equation.sign = best > 0 ? 1 : -1;
-    return equation;
-}
-
-namespace {
-
 /// None: the apex is as near as the face is large.
 std::optional<RuledHeight> ruled_height(const Equation& equation, std::span<const Triad<double>> corners) {
     const MidRad run = sqrt(square(equation.d[0]) + square(equation.d[1]));
@@ -429,6 +341,35 @@ Shadow revolved_about(const Equation& equation, MidRad radius) {
     }
 }
 
+// In a hollow sphere, with D the sum of the radii: t = (D^2 - |c|^2) / (2 (D - c u)). Of the axis' two ends
+// that from which edges keep farther away is the one where integrals are singular.
+Revolved revolved_around(const Equation& equation, std::span<const Triad<double>> points,
+                         const Triad<MidRad>& start) {
+    const MidRad D = -equation.delta, distance = sqrt(squared_norm(equation.c)),
+                 E = (distance - D) * (distance + D);
+    const bool is_centered =
+        equation.c[0].magnitude() + equation.c[1].magnitude() + equation.c[2].magnitude() == 0;
+    const Triad<MidRad> axis = is_centered ? start : normalized(equation.c);
+    double nearest = -1, farthest = 1;
+    for (const auto& p : points) {
+        const double z = (axis[0].mid() * p[0] + axis[1].mid() * p[1] + axis[2].mid() * p[2]) /
+                         std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        nearest = std::max(nearest, z);
+        farthest = std::min(farthest, z);
+    }
+    const bool is_turned = !is_centered && nearest < -farthest;
+    Revolved r{is_turned ? scaled(MidRad(-1.0), axis) : axis,
+               -0.5 * E,
+               is_centered ? MidRad(0.0)
+               : is_turned ? distance
+                           : -distance,
+               D,
+               E,
+               false};
+    r.start = start;
+    return r;
+}
+
 // Of the foot q = p - (n p - o) n the flux is (n_x q_x + n_y q_y) / 2.
 Flat flat(const Equation& side, const Triad<double>& corner) {
     const Triad<MidRad>& n = side.c;
@@ -468,16 +409,15 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
             return height<MidRad>(*equation, {0.0, 0.0, 0.0}, {u.x(), u.y(), u.z()}).t;
         });
         if (!start) return std::nullopt;
+        if (equation->kind == Equation::Kind::ball) return revolved_around(*equation, outline.points, *start);
         Fan fan{Fan::Base::sphere, *equation, *start};
-        if (equation->kind != Equation::Kind::ball) {
-            double lowest = HUGE_VAL, highest = -HUGE_VAL;
-            for (const auto& p : outline.points) {
-                const double v = along_wall<MidRad>(*equation, {p[0], p[1], p[2]}).mid();
-                lowest = std::min(lowest, v);
-                highest = std::max(highest, v);
-            }
-            fan.along_wall = 0.5 * (lowest + highest);
+        double lowest = HUGE_VAL, highest = -HUGE_VAL;
+        for (const auto& p : outline.points) {
+            const double v = along_wall<MidRad>(*equation, {p[0], p[1], p[2]}).mid();
+            lowest = std::min(lowest, v);
+            highest = std::max(highest, v);
         }
+        fan.along_wall = 0.5 * (lowest + highest);
         return fan;
     }
     if (about_sphere) return revolved_about(*equation, frame.radius());
@@ -516,6 +456,10 @@ FanSection<T>::FanSection(const Fan& fan, const Place<T>& p) : fan_(fan) {
         size_ = sqrt(squared_norm(n));
         sum_ = size_ + q_;
         turn_ = determinant(fan.start, n, dn);
+        const T h = sqrt(0.5 * (sum_ / size_)), up = T(1.0) + h;
+        share_ = T(0.5) / (size_ * (h * up));
+        tau2_ = 0.5 * ((size_ - q_) / (size_ * square(up)));
+        turn_of_tau_ = 0.5 * (turn_ / (size_ * sum_ * square(up)));
         if (fan.along_wall) {
             const T share = T(1.0) / size_;
             const T t = height<T>(fan.equation, {T(0.0), T(0.0), T(0.0)}, scaled(share, n)).t;
@@ -554,13 +498,16 @@ Densities<T> FanSection<T>::at(const T& sigma) const {
                 const auto [volume, area, steepness] = vessel_->at(sigma);
                 return {volume, area, T(0.0), steepness};
             }
-            // Stereographic coordinates about the start a: y = (p - q a) / (|p| + q), q = a p, of which sigma
-            // y runs from a to the edge; u = (2 y + (1 - |y|^2) a) / (1 + |y|^2) has the solid angle 4 / (1 +
-            // |y|^2)^2 of y's area.
+            // A way of theta from the start a is 4 arctan(tau), tau = sigma tan(theta / 4) of the edge's: so
+            // a face may go on to next to -a. With c = (1 - tau^2) / (1 + tau^2) and s = 2 tau / (1 + tau^2)
+            // half the way's cosine and sine, u = (c^2 - s^2) a + 2 s c e, where tan(theta / 4) e is the
+            // edge's (p - q a) / (2 |p| h (1 + h)), h its c; and (1 - cos theta) dphi has 16 tau (1 - tau^2)
+            // / (1 + tau^2)^3 dtau of it.
             const Triad<MidRad>& a = fan_.start;
-            const T y2 = square(sigma) * ((size_ - q_) / sum_), weight = T(1.0) / (T(1.0) + y2);
-            const T turn = 4.0 * (sigma * (turn_ * square(weight / sum_)));
-            const T along = 2.0 * (sigma * (weight / sum_)), up = weight * (T(1.0) - y2) - along * q_;
+            const T tau2 = square(sigma) * tau2_, weight = T(1.0) / (T(1.0) + tau2),
+                    c = (T(1.0) - tau2) * weight;
+            const T turn = 16.0 * (sigma * (c * square(weight) * turn_of_tau_));
+            const T along = 4.0 * (sigma * (c * weight * share_)), up = 2.0 * square(c) - T(1.0) - along * q_;
             const auto [t, steepness] =
                 height<T>(fan_.equation, {T(0.0), T(0.0), T(0.0)},
                           {along * n_[0] + a[0] * up, along * n_[1] + a[1] * up, along * n_[2] + a[2] * up});
@@ -580,6 +527,9 @@ MidRad steepness(const Shadow& shadow, const Place<MidRad>& p) {
     return std::visit([&](const auto& s) { return steepness_of(s, p); }, shadow);
 }
 
+template MidRad solid_angle(const Triad<MidRad>&, const Place<MidRad>&);
+template Traced solid_angle(const Triad<MidRad>&, const Place<Traced>&);
+template Approximate solid_angle(const Triad<MidRad>&, const Place<Approximate>&);
 template Densities<MidRad> densities(const Shadow&, const Place<MidRad>&);
 template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
 template Densities<Traced> densities(const Shadow&, const Place<Traced>&);

@@ -49,6 +49,10 @@ struct Paraboloid {
     MidRad half_of_e, half_by_k, one_by_k2;  ///< e / 2, 1 / (2 k), 1 / k^2
 };
 /// About a sphere: t = K / (A z + B), z the cosine of the angle to an axis; balls, planes and box sides.
+///
+/// In a hollow sphere it is closed, and volume and area may lack all of it: they are those of what edges
+/// bound if the face has no end of the axis at z = -1. Shadows are from a direction whose opposite it surely
+/// has not.
 struct Revolved {
     Revolved(const Triad<MidRad>& axis, const MidRad& K, const MidRad& A, const MidRad& B, const MidRad& E,
              bool is_paraboloid);
@@ -56,7 +60,8 @@ struct Revolved {
     Triad<MidRad> axis;
     MidRad A, B, E;  ///< E = A^2 - B^2, 0 for a plane
     bool is_paraboloid;
-    MidRad b1, K2, volume;  ///< A + B, K^2, K^3 / (6 (A + B)^2)
+    MidRad b1, K2, volume;                              ///< A + B, K^2, K^3 / (6 (A + B)^2)
+    std::optional<Triad<MidRad>> start = std::nullopt;  ///< of shadows, in a hollow sphere
 };
 /// Over a plane: heights that grow in proportion to the distance from an apex.
 struct ConeHeight {
@@ -120,6 +125,10 @@ struct Outline {
 std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site& site,
                              const Outline& outline);
 
+/// The solid angle of what an edge bounds, per ds, from a direction on. Its opposite counts as outside.
+template <class T>
+T solid_angle(const Triad<MidRad>& from, const Place<T>& p);
+
 /// A Fan has no volume and area here, which take a second variable, but its shadow.
 template <class T>
 Densities<T> densities(const Shadow& shadow, const Place<T>& p);
@@ -142,7 +151,8 @@ private:
     Triad<T> n_;  ///< over a plane, from the start; about a sphere, homogeneous; on a cylinder, the normal
     T turn_;
     T q_, size_, sum_;  ///< about a sphere: the share along the start, the length, and both
-    T rise_;            ///< on a cylinder
+    T share_, tau2_, turn_of_tau_;
+    T rise_;  ///< on a cylinder
     std::optional<VesselSection<T>> vessel_;
 };
 
