@@ -145,15 +145,22 @@ private:
 
     // The vertices of the second of two cells as the first one sees them.
     void move(Shared& side, const ImageIndex& image) const {
+        for (Shared::Vertex& v : side.vertices) move(v, image);
+    }
+    void move(Shared::Vertex& v, const ImageIndex& image) const {
         if (image == ImageIndex{}) return;
         const Vec3 by = balls_.shift(image);
-        for (Shared::Vertex& v : side.vertices) {
-            v.error += file_rounding * (v.point.norm() + by.norm());
-            v.point += by;
-            for (auto& [site, of] : v.sites)
-                if (site.is_object()) of = joined(of, image);
-            std::ranges::sort(v.sites);
-        }
+        v.error += file_rounding * (v.point.norm() + by.norm());
+        v.point += by;
+        for (auto& [site, of] : v.sites)
+            if (site.is_object()) of = joined(of, image);
+        std::ranges::sort(v.sites);
+    }
+    // A vertex of the first of two cells as the second one sees it.
+    Shared::Vertex moved_back(Shared::Vertex v, ImageIndex image) const {
+        for (auto& i : image) i = static_cast<std::int16_t>(-i);
+        move(v, image);
+        return v;
     }
 
     static std::string fault_of(const std::array<Shared, 2>& sides, bool is_cut) {
@@ -184,7 +191,7 @@ private:
             });
             if (twin != last)
                 is_taken[twin - b.vertices.begin()] = 1;
-            else if (!lies_on_edge(pair, pair.second.number, v))
+            else if (!lies_on_edge(pair, pair.second.number, moved_back(v, pair.second.image)))
                 return only_one_has(v);
         }
         for (std::size_t i = 0; i < b.vertices.size(); ++i)
@@ -199,12 +206,15 @@ private:
     }
 
     // Does a vertex of one cell of the pair lie on an edge of a cell of `object`, the other one, that belongs
-    // to sites of it? False where neither scene moved.
+    // to sites of it? False where neither scene moved and no cap is there: each cell has one of its own, and
+    // what touches that in a point is in no label.
     bool lies_on_edge(const Pair& pair, std::uint32_t object, const Shared::Vertex& v) const {
+        const bool is_on_cap =
+            std::ranges::any_of(v.sites, [](const PlacedSite& s) { return s.first.kind == Site::Kind::Cap; });
         const auto has_moved = [&](std::uint32_t i) {
             return std::ranges::any_of(cells_of(i), [](const auto& c) { return c.second.report.moved > 0; });
         };
-        if (!has_moved(pair.first) && !has_moved(pair.second.number)) return false;
+        if (!is_on_cap && !has_moved(pair.first) && !has_moved(pair.second.number)) return false;
         for (const auto& [number, cell] : cells_of(object))
             for (const CellEdge& e : cell.edges)
                 if (std::ranges::includes(v.sites, placed(object, cell, e.sites)) &&

@@ -149,6 +149,25 @@ TEST_CASE("check of a diagram: a probe ends cells of planes and tubes, and such 
     check_proved(certify(stored(scene)));
 }
 
+// The vertex is one of both tubes that touch each other's caps, and of the third one's cap: in the cells of
+// the two an edge runs through it. Likewise of the balls: the two images of a ball touch each other's caps
+// there.
+TEST_CASE("check of a diagram: caps may touch where only one of two cells has a vertex") {
+    DiagramScene scene;
+    scene.probe = 0.5;
+    scene.box = {Vec3::Constant(-0.5), Vec3::Constant(2.5)};
+    scene.objects = {Cylinder{{0, 2, 0}, {1, 0, 0}, 0.5}, Cylinder{{2, 0, 1}, {0, 1, 0}, 0.5},
+                     Cylinder{{0, 2, 2}, {1, 0, 0}, 0.5}};
+    SUBCASE("tubes") {}
+    SUBCASE("images of balls") {
+        scene.probe = 1;
+        scene.box = {Vec3::Zero(), Vec3(4, 2, 4)};
+        scene.periodic = {true, true, true};
+        scene.objects = {Sphere{{1.5, 1, 3}, 0.5}, Sphere{{0.5, 2, 3.5}, 1}};
+    }
+    check_proved(certify(stored(scene, !scene.is_periodic())));
+}
+
 TEST_CASE("check of a diagram: tubes and planes that others hold own nothing") {
     DiagramScene scene;
     scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
