@@ -328,7 +328,8 @@ SkewFace::SkewFace(const RadialBaseProblem& problem, FormId vessel, const Around
     : side(-1),
       origin(std::clamp(face.near.y(), problem.stretch[0], problem.stretch[1])),
       start(origin),
-      least(infinity) {
+      least(infinity),
+      tips(vessel_tips(problem, vessel)) {
     const AxialTerms terms(problem, vessel, origin);
     c0 = terms.c[0];
     c1 = terms.c[1];
@@ -526,7 +527,49 @@ Share SkewFace::size(const Ray& ray) const {
     const SkewPoint a = skew_point(s, start - origin), b = skew_point(s, ray.y - origin);
     const double t = std::max(a.t, b.t), dS = std::max(a.dS, b.dS);
     const double height = std::abs(ray.y - start) + noise * std::abs(ray.y);
-    return {0.5 * t * t * height * ray.rate, dS * height * ray.rate};
+    Share sum{0.5 * t * t * height, dS * height};
+    if (side < 0) {  // t may be greatest in between
+        const double from = start - origin, to = ray.y - origin;
+        const Share whole = skew_rule<8>(s, 0.5 * (from + to), 0.5 * (to - from));
+        sum.volume = std::max(sum.volume, std::abs(whole.volume));
+        sum.area = std::max(sum.area, std::abs(whole.area));
+    }
+    return {sum.volume * ray.rate, sum.area * ray.rate};
+}
+
+bool SkewFace::may_pass_tip(const span_integrals::PowerSpan& span) const {
+    const auto points = span.control_points();
+    const auto all = [&](auto&& is) {
+        return std::all_of(points.begin(), points.begin() + span.degree() + 1, is);
+    };
+    if (tips.empty()) return false;
+    if (!all([](const Eigen::Vector4d& p) { return p.w() > 0; })) return true;
+    return std::ranges::any_of(tips, [&](const VesselTip& tip) {
+        // Next to the tip's direction rules converge to what they see as to what has its pole there.
+        constexpr double well_off = 0x1p-3;
+        const auto is_well_off = [&](auto&& place) {
+            double least = infinity, most = 0;
+            for (int i = 0; i <= span.degree(); ++i) {
+                least = std::min(least, place(points[i]));
+                most = std::max(most, place(points[i]));
+            }
+            return least > 0 && least >= well_off * most;
+        };
+        const auto across = [&](const Eigen::Vector4d& p) {
+            return (tip.u.z() * p.x() - tip.u.x() * p.z()) / p.w();
+        };
+        if (is_well_off(across) || is_well_off([&](const Eigen::Vector4d& p) { return -across(p); }))
+            return false;
+        if (all([&](const Eigen::Vector4d& p) { return tip.u.x() * p.x() + tip.u.z() * p.z() < 0; }))
+            return false;
+        // On the side where integrals start, unless these start all but in the tip.
+        constexpr double well_apart = 0x1p-6;
+        const double off = start - tip.y;
+        return !all([&](const Eigen::Vector4d& p) {
+            const double y = p.y() / p.w() - tip.y;
+            return y * off > 0 && well_apart * std::abs(y) <= std::abs(off);
+        });
+    });
 }
 
 }  // namespace radial_integrals

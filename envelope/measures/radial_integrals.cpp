@@ -211,6 +211,14 @@ struct SpanIntegrand {
         return {l.volume, l.area, r.volume, r.area, speed, end * turn(ray)};
     }
 
+    bool is_rough(const PowerSpan& span) const {
+        const auto passes_tip = [&](const RadialFace& face) {
+            const auto* skew = std::get_if<SkewFace>(&face);
+            return skew != nullptr && skew->may_pass_tip(span);
+        };
+        return passes_tip(left) || (right != nullptr && passes_tip(*right));
+    }
+
 private:
     void set_sizes(const SpanPoint<double>& p, const Ray& ray, double speed, double end,
                    std::array<double, 6>& sizes) const {

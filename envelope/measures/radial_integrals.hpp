@@ -84,6 +84,7 @@
 #include <limits>
 #include <span>
 #include <variant>
+#include <vector>
 
 #include "../../primitives/bases/axial_terms.hpp"
 #include "../../primitives/bases/radial_base.hpp"
@@ -268,6 +269,7 @@ struct SkewFace {
     Vec3 far_u;
     double start;
     double least;
+    std::vector<VesselTip> tips;  ///< of the whole bisector
 
     SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
     /// Takes the face of a hollow tube or cone, with the coefficients of AxialTerms.
@@ -276,6 +278,9 @@ struct SkewFace {
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
+    /// May a tip lie between `start` and a point of the span? In its direction e what is between them is
+    /// e^2 log |e| near the tip, of which rules tell less than they do of analytic integrands.
+    bool may_pass_tip(const span_integrals::PowerSpan& span) const;
 };
 
 }  // namespace radial_integrals

@@ -225,6 +225,8 @@ inline Integral length(const PowerSpan& span) {
 /// go up and down, so that it may be next to nothing: then the fifth one counts, and of fifteen points what
 /// seven were estimated to leave out. Halved until the estimate is at most `largest_rest` of the size.
 /// integrand(p, sizes) gives the values at p, and puts down their sizes where it is given room for them.
+/// Where integrand.is_rough(span) says that it may not be analytic, no rule converges geometrically: the
+/// estimate is ten times the difference itself.
 template <std::size_t N, class Integrand>
 void integrate_estimated(const PowerSpan& span, const Integrand& integrand, double largest_rest,
                          std::array<Integral, N>& sum, int halvings, int& budget) {
@@ -247,9 +249,13 @@ void integrate_estimated(const PowerSpan& span, const Integrand& integrand, doub
             size[k] += node.gauss * s[k];
         }
     };
+    bool is_rough = false;
+    if constexpr (requires { integrand.is_rough(span); }) is_rough = integrand.is_rough(span);
     // A difference is a part of the absolute value, and all of it where that vanishes among the smallest
     // numbers.
-    const auto part = [&](double a, std::size_t k) { return a < absolute[k] ? a / absolute[k] : 1.0; };
+    const auto part = [&](double a, std::size_t k) {
+        return a < absolute[k] && !is_rough ? a / absolute[k] : 1.0;
+    };
     const auto is_good = [&] {
         bool is = true;
         for (std::size_t k = 0; k < N; ++k) is = is && 10 * rest[k] <= largest_rest * size[k];
