@@ -34,7 +34,8 @@ TEST_CASE(
     };
     Coverage all;
     int checked = 0, undecided = 0;
-    for_triples_of_all_kinds(long_rounds(4), object, [&](const Triple& t) {
+    const int rounds_of_kinds = long_rounds(4);
+    for_triples_of_all_kinds(rounds_of_kinds, object, [&](const Triple& t) {
         Curves curves;
         try {
             curves = trisector(t.base, t.a, t.b, box, tolerance);
@@ -48,7 +49,7 @@ TEST_CASE(
     });
     CHECK(all.found > long_rounds(100));
     CHECK(all.missed == 0);
-    CHECK(checked + undecided == long_rounds(40));
+    CHECK(checked + undecided == 10 * rounds_of_kinds);
     CHECK(undecided <= 1 + checked / 100);
     CHECK(all.coarse <= 2 + checked / 50);
 }
