@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "../../core/quadrature/quadrature.hpp"
 #include "../../envelope/measures/radial_integrals.hpp"
@@ -522,6 +523,28 @@ TEST_CASE("radial measures: a ball between two big ones is a solid of revolution
             CHECK(m.box_area == 0);
         }
     }
+}
+
+// The tip of the cone's bisector lies under the other tube's face, and where integrals along the base's axis
+// start is as near to its height as they can.
+TEST_CASE("radial measures: beside a tip volumes are as sharp as they state") {
+    std::vector<std::array<double, 2>> volumes;
+    for (const double side : {1.0, -1.0})
+        for (const double tolerance : {0.0, 1e-10}) {
+            Scene scene =
+                over(Cylinder{{-side, 0, 0}, {side, 0, 0}, 1},
+                     {HollowCone{{0, 0, -3}, {0, 0, 1}, 4, 5}, Cylinder{{-side, 1, 2}, {0, 0, 1}, 1}},
+                     {Vec3::Constant(-4), Vec3::Constant(4)});
+            if (tolerance > 0) scene.tolerance = tolerance;
+            CellOptions options;
+            options.complete = true;
+            options.patches = false;  // none hold a face on both sides of a tip
+            const Measures m = voronoi_cell(scene, options).measures;
+            CHECK(m.volume_error < 1e-9);
+            volumes.push_back({m.volume - m.volume_error, m.volume + m.volume_error});
+        }
+    for (const auto& a : volumes)
+        for (const auto& b : volumes) CHECK(a[0] <= b[1]);
 }
 
 }  // namespace vcell::radial_measures_test
