@@ -380,7 +380,10 @@ struct SkewPoint {
 
 static SkewPoint skew_point(const SkewSlice& s, double y) {
     const double C = s.C0 + y * (s.c2 * y + s.c1), half_C_y = s.c2 * y + 0.5 * s.c1;
-    const double B = s.B0 + s.slope * s.A * y, R = sqrt(std::max(0.0, B * B + s.side * s.A * s.A * C));
+    // At a tip R is zero, and what is divided by it, too: rounding leaves as much of R as this.
+    constexpr double unsure = std::numeric_limits<double>::epsilon();
+    const double B = s.B0 + s.slope * s.A * y,
+                 R = sqrt(std::max(unsure * B * B, B * B + s.side * s.A * s.A * C));
     const double t = s.side > 0 && B < 0 ? (R - B) / (s.A * s.A) : C / (B + R);
     const double turn = ((s.dB0 + s.slope * s.dA * y) + s.side * s.A * s.dA * t) / R;
     const double t_y = (half_C_y - s.slope * s.A * t) / R;
@@ -538,34 +541,27 @@ Share SkewFace::size(const Ray& ray) const {
 }
 
 bool SkewFace::may_pass_tip(const span_integrals::PowerSpan& span) const {
-    const auto points = span.control_points();
-    const auto all = [&](auto&& is) {
-        return std::all_of(points.begin(), points.begin() + span.degree() + 1, is);
-    };
+    using Eigen::Vector4d;
     if (tips.empty()) return false;
-    if (!all([](const Eigen::Vector4d& p) { return p.w() > 0; })) return true;
+    const auto control = span.control_points();
+    const std::span points(control.data(), static_cast<std::size_t>(span.degree()) + 1);
+    if (!std::ranges::all_of(points, [](const Vector4d& p) { return p.w() > 0; })) return true;
     return std::ranges::any_of(tips, [&](const VesselTip& tip) {
+        double least = infinity, most = -infinity;
+        for (const Vector4d& p : points) {
+            const double across = (tip.u.z() * p.x() - tip.u.x() * p.z()) / p.w();
+            least = std::min(least, across);
+            most = std::max(most, across);
+        }
         // Next to the tip's direction rules converge to what they see as to what has its pole there.
         constexpr double well_off = 0x1p-3;
-        const auto is_well_off = [&](auto&& place) {
-            double least = infinity, most = 0;
-            for (int i = 0; i <= span.degree(); ++i) {
-                least = std::min(least, place(points[i]));
-                most = std::max(most, place(points[i]));
-            }
-            return least > 0 && least >= well_off * most;
-        };
-        const auto across = [&](const Eigen::Vector4d& p) {
-            return (tip.u.z() * p.x() - tip.u.x() * p.z()) / p.w();
-        };
-        if (is_well_off(across) || is_well_off([&](const Eigen::Vector4d& p) { return -across(p); }))
-            return false;
-        if (all([&](const Eigen::Vector4d& p) { return tip.u.x() * p.x() + tip.u.z() * p.z() < 0; }))
-            return false;
+        if (least > 0 ? least >= well_off * most : most < 0 && most <= well_off * least) return false;
+        const auto is_behind = [&](const Vector4d& p) { return tip.u.x() * p.x() + tip.u.z() * p.z() < 0; };
+        if (std::ranges::all_of(points, is_behind)) return false;
         // On the side where integrals start, unless these start all but in the tip.
         constexpr double well_apart = 0x1p-6;
         const double off = start - tip.y;
-        return !all([&](const Eigen::Vector4d& p) {
+        return !std::ranges::all_of(points, [&](const Vector4d& p) {
             const double y = p.y() / p.w() - tip.y;
             return y * off > 0 && well_apart * std::abs(y) <= std::abs(off);
         });
