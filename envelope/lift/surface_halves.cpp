@@ -118,7 +118,7 @@ void SurfaceHalves::add_divided(const ConicSpan& span, std::vector<ConicSpan>& s
     spans.push_back(rest);
 }
 
-// Of the same directions both halves see.
+// Both halves see the point in one direction, each in axes of its own.
 Vec2 SurfaceHalves::at(double angle, std::uint32_t half) const {
     const auto &first = patches_[0].axes(), &own = patches_[half].axes();
     const Vec3 u = std::cos(angle) * first[0] + std::sin(angle) * first[1];

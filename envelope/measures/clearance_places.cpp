@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "../../primitives/bases/axial_terms.hpp"
 #include "../object_distance.hpp"
 
 namespace vcell {
@@ -138,11 +139,11 @@ void add_places_at_wall(const Core& base, const HollowCone& cone, std::vector<Ve
 // Tips: places of a hollow tube's or cone's axis that are as far from the wall as from the base.
 void add_tips(const Core& base, const Core& vessel, std::vector<Vec3>& places) {
     const Vec3 w = vessel.along[0], m = base.across(vessel.point - base.point), v = base.across(w);
-    const double S = vessel.cone != nullptr ? vessel.cone->sine() : 0, k = vessel.radius + base.radius,
-                 a = v.squaredNorm() - S * S, b = m.dot(v) - S * k, c = m.squaredNorm() - k * k,
-                 root = std::sqrt(b * b - a * c);
-    for (const double sense : {-1.0, 1.0}) {
-        const Vec3 p = vessel.point + (sense * root - b) / a * w;
+    const double sine = vessel.cone != nullptr ? vessel.cone->sine() : 0;
+    const auto both = tips_along(m, v, sine, vessel.radius + base.radius);
+    if (!both) return;
+    for (const double h : *both) {
+        const Vec3 p = vessel.point + h * w;
         if (p.allFinite()) places.push_back(p);
     }
 }
@@ -176,8 +177,8 @@ private:
     // What distances from an object and from the base are off by in the box.
     double rounding(const Core& core) const { return distance_rounding * (size_of(core) + size_); }
 
-    // Of elements that have a value within their errors the one of lower dimension is kept, which comes
-    // first.
+    // An element replaces another one only if their errors do not explain the difference: vertices are looked
+    // at before edges, and these before faces, so that the one of lowest dimension keeps a value they share.
     bool is_better(std::size_t which, double value, double error) const {
         const auto& best = best_[which];
         return !best || signs[which] * (value - best->clearance) < -(error + best->error);
@@ -341,7 +342,7 @@ private:
         const unsigned k = site.index / 2;
         return site.index % 2 == 1 ? p[k] > scene_.box.max[k] + own : p[k] < scene_.box.min[k] - own;
     }
-    // Of a plane and a tube only what the box holds of them has rays.
+    // A plane or a tube sends rays only from where it is in the box, unless the cell is complete.
     bool stands_over_region(const Vec3& p) const {
         if (base_.dimension == 0 || cell_.is_complete) return true;
         const Vec3 foot = base_.foot(p);

@@ -41,7 +41,7 @@ MidRad arctan_ratio(const MidRad& square_of_x) {
     const double lo = std::sqrt(std::max(0.0, y.lower())) * (1 - 0x1p-50),
                  hi = std::sqrt(std::max(0.0, y.upper())) * (1 + 0x1p-50);
     if (!(hi < HUGE_VAL)) return Interval(0.0, 1.0);
-    // Of small x the series is known better: 1 - x^2 / 3 and more.
+    // The quotient loses digits for small x, and the series 1 - x^2 / 3 + ... does not.
     constexpr double small = 0x1p-13;
     const auto ratio = [](double x) {
         return x < small ? Interval(1 - x * x / 3) + Interval::ball(0, 0x1p-50)

@@ -122,7 +122,8 @@ private:
         constexpr double least = 0x1p-20;
         return pair.gain > least * pair.before;
     }
-    // Of the angles across the side, which add up to more than a straight one if it is negative (Delaunay).
+    // The sum of the cotangents of the angles across the side: negative if these add up to more than a
+    // straight one, where Delaunay takes the other diagonal.
     double cotangents(const Pair& pair) const {
         const auto& [a, b, c, d] = pair.corners;
         const auto cotangent = [&](std::uint32_t at) {

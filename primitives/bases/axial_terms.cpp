@@ -40,9 +40,21 @@ AxialTerms::AxialTerms(const RadialBaseProblem& problem, FormId form, double at)
     slope = has_root ? slope_there / unit : 0;
 }
 
+// (|a|^2 - S^2) h^2 + 2 (q.a - S reach) h + |q|^2 - reach^2 = 0.
+std::optional<std::array<double, 2>> tips_along(const Vec3& q, const Vec3& a, double sine, double reach) {
+    const double squared = (a.norm() - sine) * (a.norm() + sine), half = q.dot(a) - sine * reach,
+                 rest = (q.norm() - reach) * (q.norm() + reach), discriminant = half * half - squared * rest;
+    if (!(discriminant >= 0) || (squared == 0 && half == 0)) return std::nullopt;
+    // Without cancellation.
+    const double sum = half < 0 ? half - std::sqrt(discriminant) : half + std::sqrt(discriminant);
+    std::array<double, 2> both{squared != 0 ? -sum / squared : never, sum != 0 ? -rest / sum : never};
+    if (both[1] < both[0]) std::swap(both[0], both[1]);
+    return both;
+}
+
 // A point of the vessel's axis h from its point or apex is q + h a away from the base's centre, or across its
-// axis, and is to be S h + R0 + R away, R = 0 in a cone: (|a|^2 - S^2) h^2 + 2 (q.a - S (R0 + R)) h + |q|^2 -
-// (R0 + R)^2 = 0. A tube's point may be any of its axis, and is the one nearest to the canonical origin.
+// axis, and is to be S h + R0 + R away, R = 0 in a cone. A tube's point may be any of its axis, and is the
+// one nearest to the canonical origin.
 std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
     Vec3 point, axis;
@@ -60,20 +72,16 @@ std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form
     }
     const double along = problem.chart.is_cylinder() ? 0 : 1;
     const Vec3 q(point.x(), along * point.y(), point.z()), a(axis.x(), along * axis.y(), axis.z());
-    const double squared = (a.norm() - sine) * (a.norm() + sine), half = q.dot(a) - sine * reach,
-                 rest = (q.norm() - reach) * (q.norm() + reach), discriminant = half * half - squared * rest;
-    if (!(discriminant >= 0) || (squared == 0 && half == 0)) return {};
-    // Without cancellation.
-    const double sum = half < 0 ? half - std::sqrt(discriminant) : half + std::sqrt(discriminant);
-    std::array<double, 2> both{squared != 0 ? -sum / squared : never, sum != 0 ? -rest / sum : never};
-    if (both[1] < both[0]) std::swap(both[0], both[1]);
+    const auto both = tips_along(q, a, sine, reach);
+    if (!both) return {};
     std::vector<VesselTip> tips;
-    for (const double h : both) {
+    for (const double h : *both) {
         const double far = sine * h + reach;
         const Vec3 out = q + h * a;
         // A cone's may be behind its apex, from which a wall is no farther than it is less than nothing away.
         if (std::isfinite(far) && far > 0 && out.norm() > 0)
-            tips.push_back({(1 - along) * (point.y() + h * axis.y()), far, out.normalized(), h == both[1]});
+            tips.push_back(
+                {(1 - along) * (point.y() + h * axis.y()), far, out.normalized(), h == (*both)[1]});
     }
     return tips;
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "radial_base.hpp"
@@ -44,6 +45,10 @@ struct VesselTip {
     /// Canonical.
     Vec3 point() const { return Vec3(0, y, 0) + reach * u; }
 };
+/// Where along an axis from q, with the direction a, both seen across the base's axis if it has one, a place
+/// is as far from the base as from the wall: the roots h of |q + h a| = sine h + reach, and of the same with
+/// the other sign, ascending; not finite where there is only one. None if there are no real ones.
+std::optional<std::array<double, 2>> tips_along(const Vec3& q, const Vec3& a, double sine, double reach);
 std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form);
 
 }  // namespace vcell

@@ -1,5 +1,7 @@
-/// Closed triangle meshes: what they hold, and whether they are closed.
+/// Closed triangle meshes: what they hold, and whether they are closed; and solids, that go with them.
 #pragma once
+
+#include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,6 +10,8 @@
 #include <utility>
 
 #include "../../io/pictures/mesh.hpp"
+#include "../../io/solids/shell.hpp"
+#include "../../io/solids/solid.hpp"
 
 namespace vcell {
 
@@ -38,6 +42,16 @@ inline bool is_closed(const CellMesh& mesh) {
             --sides[{t[(k + 1) % 3], t[k]}];
         }
     return std::ranges::all_of(sides, [](const auto& side) { return side.second == 0; });
+}
+
+/// The cell's mesh is closed and has its volume but for a part that chords leave out, and it is one solid.
+inline void check_mesh_and_solid(const Cell& cell, double part) {
+    const CellMesh mesh = tessellate(cell);
+    CHECK(is_closed(mesh));
+    CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(part));
+    const Solid solid = solid_of(closed_shell(cell), cell.faces.size());
+    CHECK(solid.parts.size() == 1);
+    CHECK(solid.off < 1e-5);
 }
 
 }  // namespace vcell

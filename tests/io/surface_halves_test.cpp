@@ -14,8 +14,6 @@
 #include "../../io/files/cell_file.hpp"
 #include "../../io/pictures/mesh.hpp"
 #include "../../io/solids/moments.hpp"
-#include "../../io/solids/shell.hpp"
-#include "../../io/solids/solid.hpp"
 #include "closed_meshes.hpp"
 #include "listing.hpp"
 
@@ -61,13 +59,7 @@ TEST_CASE("surface halves: cells are certified, meshed, made solid, and survive 
         write_cell(file, cell);
         CHECK(certify(parse_cell(file.str())).holds());
 
-        const CellMesh mesh = tessellate(cell);
-        CHECK(is_closed(mesh));
-        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(5e-3));
-        const Shell shell = closed_shell(cell);
-        const Solid solid = solid_of(shell, cell.faces.size());
-        CHECK(solid.parts.size() == 1);
-        CHECK(solid.off < 1e-5);
+        check_mesh_and_solid(cell, 5e-3);
         const Moments moments = moments_of(cell);
         CHECK(moments.centroid_error < 1e-4);
         CHECK(std::isfinite(moments.centroid.norm()));

@@ -18,8 +18,6 @@
 #include "../../io/files/scene_file.hpp"
 #include "../../io/pictures/mesh.hpp"
 #include "../../io/solids/moments.hpp"
-#include "../../io/solids/shell.hpp"
-#include "../../io/solids/solid.hpp"
 #include "../test_support.hpp"
 #include "closed_meshes.hpp"
 #include "listing.hpp"
@@ -255,7 +253,7 @@ TEST_CASE("vessel cells: of a ball in the middle of a sphere, among balls and tu
     }
 }
 
-// The same surface, in both degrees one higher.
+// Raises both degrees by one, which leaves the surface as it is.
 void raise_degrees(RationalPatch& s) {
     const auto raised = [](const std::vector<Eigen::Vector4d>& row) {
         const auto n = static_cast<double>(row.size());
@@ -436,13 +434,7 @@ TEST_CASE("vessel cells: faces with tips are certified, meshed, made solid, and 
         const Certificate good = certify(cell);
         CHECK_MESSAGE(good.holds(), listing(good));
 
-        const CellMesh mesh = tessellate(cell);
-        CHECK(is_closed(mesh));
-        CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(6e-3));
-        const Shell shell = closed_shell(cell);
-        const Solid solid = solid_of(shell, cell.faces.size());
-        CHECK(solid.parts.size() == 1);
-        CHECK(solid.off < 1e-5);
+        check_mesh_and_solid(cell, 6e-3);
         const auto scale = cell.measures.volume;
         const Moments moments = moments_of(cell);
         CHECK(std::isfinite(moments.centroid.norm()));
