@@ -125,8 +125,8 @@ LiftedCell lift_from_floor(const PlaneBaseProblem& problem, const Diagrams& diag
 }
 LiftedCell lift_from_body(const RadialBaseProblem& problem, const Diagrams& diagrams, double tolerance,
                           const CellOptions& options) {
-    return options.patches ? lift_all_around(problem, diagrams.all, tolerance, options.measure)
-                           : lift_without_patches(problem, diagrams.all, tolerance, options.measure);
+    const auto lift = options.patches ? lift_all_around : lift_without_patches;
+    return lift(problem, diagrams.all, tolerance, options.measure, thread_count(options.threads));
 }
 
 // What a cell takes over one kind of base.

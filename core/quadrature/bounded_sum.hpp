@@ -19,6 +19,10 @@ struct BoundedSum {
         sum = t;
         error += term_error;
     }
+    void add(const BoundedSum& other) {
+        add(other.sum, other.error);
+        add(other.compensation);
+    }
     double value() const { return sum + compensation; }
     double bound() const { return error + 2 * std::numeric_limits<double>::epsilon() * std::abs(value()); }
 };

@@ -18,11 +18,12 @@ enum class Wanted { All, BetweenObjects };
 
 class CurveLift : public EdgeLift {
 public:
-    CurveLift(const RadialDiagram& of, double tolerance, Wanted wanted)
-        : EdgeLift(of),
+    CurveLift(const RadialDiagram& of, double tolerance, Wanted wanted, unsigned threads)
+        : EdgeLift(of, threads),
           wanted_(wanted),
+          threads_(threads),
           loops_(of.diagram),
-          patches_(of, loops_, curves_, false),
+          patches_(of, loops_, curves_, threads, false),
           fits_(of, patches_, curves_, tolerance) {
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : of_.diagram.edges.ids())
@@ -34,12 +35,12 @@ public:
         for (const EdgeId e : to_fit) fits_.require_proof(e);
     }
 
-    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) {
+    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) const {
         if (!is_wanted(e)) return {0, 0};
         return EdgeLift::set_curve(e, ends, curve);
     }
     void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
-        measure_all_around(of_.problem, of_.diagram, positions, cell);
+        measure_all_around(of_.problem, of_.diagram, positions, cell, threads_);
     }
 
 private:
@@ -50,6 +51,7 @@ private:
     }
 
     const Wanted wanted_;
+    const unsigned threads_;
     FaceLoops loops_;
     radial::FacePatches patches_;
     radial::EdgeFits fits_;
@@ -59,14 +61,14 @@ private:
 
 LiftedCell lift_curves_between_objects(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                        double tolerance) {
-    CurveLift lift({problem, diagram}, tolerance, Wanted::BetweenObjects);
+    CurveLift lift({problem, diagram}, tolerance, Wanted::BetweenObjects, 1);
     return CellAssembly(lift)(false);
 }
 
 LiftedCell lift_curves_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                                  double tolerance, bool with_measures) {
-    CurveLift lift({problem, diagram}, tolerance, Wanted::All);
-    return CellAssembly(lift)(with_measures);
+                                  double tolerance, bool with_measures, unsigned threads) {
+    CurveLift lift({problem, diagram}, tolerance, Wanted::All, threads);
+    return CellAssembly(lift, threads)(with_measures);
 }
 
 }  // namespace vcell

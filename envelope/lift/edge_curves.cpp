@@ -8,7 +8,8 @@ namespace vcell {
 
 double EdgeCurves::reach() const {
     double reach = 0;
-    for (const ConicSpan& s : conics_) reach = std::max(reach, s.from.w());
+    for (const std::vector<ConicSpan>& spans : conics_)
+        for (const ConicSpan& s : spans) reach = std::max(reach, s.from.w());
     for (const std::vector<SpaceSpan>& spans : splines_)
         for (const SpaceSpan& s : spans) reach = std::max(reach, s.points.row(3).maxCoeff());
     return reach;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "../../core/threads.hpp"
 #include "../cell.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "conic_span.hpp"
@@ -23,7 +24,6 @@ public:
                const IdVector<VertexId, Eigen::Vector4d>& points, bool has_splines)
         : diagram_(diagram), kinds_(kinds), points_(points) {
         const std::size_t edges = diagram_.edges.size();
-        conics_.reserve(2 * edges);
         slices_.resize(edges);
         if (!has_splines) return;
         splines_.resize(edges);
@@ -40,7 +40,8 @@ public:
 
     /// A conic's spans in the direction of half-edge 2e.
     std::span<const ConicSpan> conics(EdgeId e) const {
-        return {conics_.data() + slices_[e].first, conics_.data() + slices_[e].last};
+        const auto& [task, first, last] = slices_[e];
+        return {conics_[task].data() + first, conics_[task].data() + last};
     }
     /// A spline's spans, likewise.
     const std::vector<SpaceSpan>& splines(EdgeId e) const { return splines_[e]; }
@@ -53,12 +54,22 @@ public:
     /// The greatest t that curves tell of: of conics where spans begin, of splines in their control points.
     double reach() const;
 
-    /// add(spans) appends an edge's conics.
+    /// add(e, spans) appends the conics of every edge, or none; it is called for those of a task
+    /// (core/threads.hpp) by one thread.
+    template <class Add>
+    void set_all_conics(unsigned threads, const Add& add) {
+        const std::size_t edges = slices_.size();
+        conics_.resize(range_count(edges) + 1);
+        for_ranges(edges, threads, [&](std::size_t begin, std::size_t end, std::size_t task) {
+            conics_[task].reserve(2 * (end - begin));
+            for (auto e = EdgeId{static_cast<std::uint32_t>(begin)}; e.value < end; ++e.value)
+                append(e, task, [&](std::vector<ConicSpan>& spans) { add(e, spans); });
+        });
+    }
+    /// add(spans) appends an edge's conics, and those it had are gone.
     template <class Add>
     void set_conics(EdgeId e, Add&& add) {
-        const auto first = static_cast<std::uint32_t>(conics_.size());
-        add(conics_);
-        slices_[e] = {first, static_cast<std::uint32_t>(conics_.size())};
+        append(e, conics_.size() - 1, add);
     }
     /// fit(spans) appends an edge's spline and says how good it is.
     template <class Fit>
@@ -92,15 +103,24 @@ public:
     void to_world(EdgeId e, const BaseFrame& frame, RationalCurve3& curve) const;
 
 private:
+    // Of the conics of a task.
     struct Slice {
-        std::uint32_t first = 0, last = 0;
+        std::uint32_t task = 0, first = 0, last = 0;
     };
+
+    template <class Add>
+    void append(EdgeId e, std::size_t task, Add&& add) {
+        std::vector<ConicSpan>& spans = conics_[task];
+        const auto first = static_cast<std::uint32_t>(spans.size());
+        add(spans);
+        slices_[e] = {static_cast<std::uint32_t>(task), first, static_cast<std::uint32_t>(spans.size())};
+    }
 
     const MinimizationDiagram& diagram_;
     const IdVector<EdgeId, CurveKind>& kinds_;
     const IdVector<VertexId, Eigen::Vector4d>& points_;
-    std::vector<ConicSpan> conics_;
-    IdVector<EdgeId, Slice> slices_;  // of conics_
+    std::vector<std::vector<ConicSpan>> conics_{1};  // of each task, and last what is set later
+    IdVector<EdgeId, Slice> slices_;
     IdVector<EdgeId, std::vector<SpaceSpan>> splines_;
     IdVector<EdgeId, SpaceFitError> errors_;
 };

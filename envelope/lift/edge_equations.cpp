@@ -1,28 +1,33 @@
 #include "edge_equations.hpp"
 
 #include <algorithm>
+#include <vector>
 
+#include "../../core/threads.hpp"
 #include "radial_patch.hpp"
 
 namespace vcell::radial {
 
-EdgeEquations::EdgeEquations(const RadialDiagram& of)
-    : problem_(of.problem), diagram_(of.diagram), hyperplanes_(of.problem) {
-    SphereConicKind conic_kind(problem_, decisions_);
-    kinds_.reserve(diagram_.edges.size());
-    for (const EdgeId e : diagram_.edges.ids()) {
-        const MinimizationDiagram::Edge& edge = diagram_.edges[e];
-        if (of.is_bare(e)) {
-            kinds_.push_back(CurveKind::Spline);
-            continue;
-        }
-        const bool is_conic =
-            diagram_.is_circular(edge.left) && !edge.on_rim() && diagram_.is_circular(edge.right);
-        kinds_.push_back(is_conic ? conic_kind(edge.left, edge.right, hyperplanes_[edge.left].functional(),
-                                               hyperplanes_[edge.right].functional())
-                         : problem_.chart.is_sphere() ? CurveKind::Spline
-                                                      : kind_over_cylinder(e));
-    }
+EdgeEquations::EdgeEquations(const RadialDiagram& of, unsigned threads)
+    : problem_(of.problem),
+      diagram_(of.diagram),
+      hyperplanes_(of, threads),
+      kinds_(of.diagram.edges.size(), CurveKind::Spline) {
+    std::vector<Decisions> decisions(range_count(kinds_.size()));
+    for_ranges(kinds_.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t task) {
+        SphereConicKind conic_kind(problem_, decisions[task]);
+        for (auto e = EdgeId{static_cast<std::uint32_t>(begin)}; e.value < end; ++e.value)
+            if (!of.is_bare(e)) kinds_[e] = find_kind(e, conic_kind);
+    });
+    for (const Decisions& of_task : decisions) decisions_ += of_task;
+}
+
+CurveKind EdgeEquations::find_kind(EdgeId e, SphereConicKind& conic_kind) const {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (diagram_.is_circular(edge.left) && !edge.on_rim() && diagram_.is_circular(edge.right))
+        return conic_kind(edge.left, edge.right, hyperplanes_[edge.left].functional(),
+                          hyperplanes_[edge.right].functional());
+    return problem_.chart.is_sphere() ? CurveKind::Spline : kind_over_cylinder(e);
 }
 
 CurveKind EdgeEquations::kind_over_cylinder(EdgeId e) const {
@@ -52,7 +57,7 @@ AxialConic EdgeEquations::axial_conic(EdgeId e) const {
     return AxialConic(problem_, (*equations)[0], (*equations)[1]);
 }
 
-std::array<DistancePlane, 2> EdgeEquations::planes(EdgeId e) {
+std::array<DistancePlane, 2> EdgeEquations::planes(EdgeId e) const {
     if (!diagram_.is_circular(diagram_.edges[e].left)) return axial_conic(e).planes();
     const auto [left, right] = hyperplanes(e);
     return {left->plane(), right->plane()};

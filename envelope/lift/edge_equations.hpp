@@ -13,7 +13,7 @@ namespace vcell::radial {
 
 class EdgeEquations {
 public:
-    explicit EdgeEquations(const RadialDiagram& of);
+    explicit EdgeEquations(const RadialDiagram& of, unsigned threads = 1);
 
     /// Decided exactly.
     CurveKind kind(EdgeId e) const { return kinds_[e]; }
@@ -22,8 +22,8 @@ public:
     bool is_spline(EdgeId e) const { return kinds_[e] == CurveKind::Spline; }
 
     /// Forms have hyperplanes if they are circular, over a sphere.
-    const Hyperplane& hyperplane(FormId f) { return hyperplanes_[f]; }
-    std::array<const Hyperplane*, 2> hyperplanes(EdgeId e) {
+    const Hyperplane& hyperplane(FormId f) const { return hyperplanes_[f]; }
+    std::array<const Hyperplane*, 2> hyperplanes(EdgeId e) const {
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         return {&hyperplanes_[edge.left], &hyperplanes_[edge.right]};
     }
@@ -33,19 +33,20 @@ public:
     AxialConic axial_conic(EdgeId e) const;
 
     /// The hyperplanes, left and right, of an edge that is a conic.
-    std::array<DistancePlane, 2> planes(EdgeId e);
+    std::array<DistancePlane, 2> planes(EdgeId e) const;
 
     /// The signs taken for the kinds.
     const Decisions& decisions() const { return decisions_; }
 
 private:
+    CurveKind find_kind(EdgeId e, SphereConicKind& conic_kind) const;
     CurveKind kind_over_cylinder(EdgeId e) const;
     bool is_line_over_cylinder(EdgeId e) const;
     bool is_along_axis(FormId f) const;
 
     const RadialBaseProblem& problem_;
     const MinimizationDiagram& diagram_;
-    Hyperplanes hyperplanes_;
+    const Hyperplanes hyperplanes_;
     IdVector<EdgeId, CurveKind> kinds_;
     Decisions decisions_;
 };

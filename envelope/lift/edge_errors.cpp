@@ -13,7 +13,7 @@ using Eigen::Vector4d;
 
 // The true edge ends in the true vertices, up to which the curve that was compared may be continued: their
 // errors count twice.
-EdgeErrors::Bounds EdgeErrors::operator()(EdgeId e, double ends, double rounding) {
+EdgeErrors::Bounds EdgeErrors::operator()(EdgeId e, double ends, double rounding) const {
     if (curves_.is_spline(e)) return {curves_.fit_error(e).curve + ends, curves_.fit_error(e).trims};
     std::optional<std::array<DistancePlane, 2>> planes;
     if (!curves_.is_line(e)) planes = equations_.planes(e);
@@ -37,7 +37,8 @@ double conic_error(const RadialDiagram& of, const RadialCurves& curves, EdgeId e
 
 // How far the trims of a line or conic are from it; off: what its points may be off the bisectors. The edge's
 // planes are found where there are none yet.
-double EdgeErrors::trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) {
+double EdgeErrors::trims_error(EdgeId e, double off,
+                               std::optional<std::array<DistancePlane, 2>>& planes) const {
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
     const bool is_circular = of_.diagram.is_circular(edge.left);  // over a cylinder no form is
     double most = off;

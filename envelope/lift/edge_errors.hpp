@@ -16,7 +16,7 @@ namespace vcell::radial {
 
 class EdgeErrors {
 public:
-    EdgeErrors(const RadialDiagram& of, EdgeEquations& equations, const RadialCurves& curves,
+    EdgeErrors(const RadialDiagram& of, const EdgeEquations& equations, const RadialCurves& curves,
                const FacePatches& patches)
         : of_(of), equations_(equations), curves_(curves), patches_(patches) {}
 
@@ -25,14 +25,14 @@ public:
         double trims;  ///< bounds how far the patches' points at the trims are from the curve
     };
     /// ends: a bound on the errors of an edge's vertices; rounding: of its points, and of their motion.
-    Bounds operator()(EdgeId e, double ends, double rounding);
+    Bounds operator()(EdgeId e, double ends, double rounding) const;
 
 private:
-    double trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes);
+    double trims_error(EdgeId e, double off, std::optional<std::array<DistancePlane, 2>>& planes) const;
     double trim_distance_of(EdgeId e, unsigned side, std::span<const ConicSpan> along) const;
 
     const RadialDiagram of_;
-    EdgeEquations& equations_;
+    const EdgeEquations& equations_;
     const RadialCurves& curves_;
     const FacePatches& patches_;
 };

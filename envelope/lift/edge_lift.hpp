@@ -22,6 +22,8 @@ namespace vcell {
 /// around a sphere are there from the beginning; splines and conics around a cylinder are fitted later.
 class EdgeLift {
 public:
+    static constexpr bool is_shareable = true;
+
     EdgeLift(const EdgeLift&) = delete;
     EdgeLift& operator=(const EdgeLift&) = delete;
 
@@ -40,7 +42,7 @@ public:
     CurveKind kind(EdgeId e) const { return equations_.kind(e); }
 
     // As the edge's error with patches (EdgeErrors), without its trims.
-    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) {
+    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) const {
         const auto [far, rounding] = set_world_curve(e, curve);
         const double error = std::min(4 * far, off(e, ends) + rounding);
         return {error, error};
@@ -50,14 +52,13 @@ public:
     void measure(const IdVector<EdgeId, double>&, Cell&) const {}
 
 protected:
-    explicit EdgeLift(const RadialDiagram& of)
+    EdgeLift(const RadialDiagram& of, unsigned threads)
         : of_(of),
           origin_(of.problem.frame.origin.norm()),
-          equations_(of),
-          vertices_(of, equations_),
-          curves_(of, vertices_, equations_) {
-        add_sphere_arcs(of_, equations_, curves_, decisions_);
-    }
+          equations_(of, threads),
+          vertices_(of, equations_, threads),
+          curves_(of, vertices_, equations_),
+          decisions_(add_sphere_arcs(of_, curves_, threads)) {}
 
     struct WorldCurve {
         double far;       // from the frame's origin or the world's, of the curve and all that is near it
@@ -73,14 +74,14 @@ protected:
 
     const RadialDiagram of_;
     const double origin_;  // how far the frame's is from the world's
-    Decisions decisions_;
-    radial::EdgeEquations equations_;
+    const radial::EdgeEquations equations_;
     const radial::RadialVertices vertices_;
     radial::RadialCurves curves_;
+    Decisions decisions_;
 
 private:
     // How far the curve may be from the true edge, without rounding of what is moved back.
-    double off(EdgeId e, double ends) {
+    double off(EdgeId e, double ends) const {
         if (curves_.is_spline(e)) return curves_.fit_error(e).curve + ends;
         return curves_.is_line(e) ? ends
                                   : radial::conic_error(of_, curves_, e, equations_.planes(e)) + 2 * ends;

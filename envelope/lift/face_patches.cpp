@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "../../core/errors.hpp"
+#include "../../core/threads.hpp"
 #include "../../primitives/bases/axial_terms.hpp"
 #include "../object_distance.hpp"
 #include "trim_bounds.hpp"
@@ -26,7 +27,7 @@ using std::numbers::pi;
 }  // namespace
 
 FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves,
-                         bool has_patches)
+                         unsigned threads, bool has_patches)
     : problem_(of.problem),
       diagram_(of.diagram),
       loops_(loops),
@@ -37,33 +38,30 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
     const std::size_t count = diagram_.dcel.face_count();
     sectors_.resize(count);
     if (!has_patches_) return;
-    patches_.reserve(count);
+    patches_.resize(count);
     for (const FormId form : problem_.floor) is_flat_[form] = true;
     if (!problem_.floor.empty())
         for (const EdgeId e : diagram_.edges.ids())
             for (const FormId form : {diagram_.edges[e].left, diagram_.edges[e].right})
                 if (form.valid() && !of.is_bare(e)) is_flat_[form] = vcell::is_flat(problem_, form);
-    for (const FaceId face : diagram_.face_forms.ids()) {
-        const FormId form = diagram_.face_forms[face];
-        if (!form.valid()) {
-            patches_.push_back({});
-            continue;
-        }
-        is_flat_[form] = vcell::is_flat(problem_, form);
-        if (problem_.chart.is_sphere()) {
-            const Object& object = problem_.objects[form];
-            const bool is_in_ball = std::holds_alternative<HollowSphere>(object);
-            patches_.push_back({});
-            if (is_vessel(object) && !is_in_ball)
-                add_in_vessel(face);
-            else if (is_in_ball)
-                add_in_sphere(face);
-            else
+    for (const FormId form : diagram_.face_forms)
+        if (form.valid()) is_flat_[form] = vcell::is_flat(problem_, form);
+    if (!problem_.chart.is_sphere()) {
+        for (const FaceId face : diagram_.face_forms.ids())
+            if (diagram_.face_forms[face].valid()) add_around_cylinder(face);
+        return;
+    }
+    for_ranges(count, threads, [&](std::size_t begin, std::size_t end) {
+        for (auto face = FaceId{static_cast<std::uint32_t>(begin)}; face.value < end; ++face.value)
+            if (const FormId form = diagram_.face_forms[face]; form.valid() && !is_vessel(object(face)))
                 patches_[face] = RadialPatch(problem_, form, middle(face), 0);
-        } else {
-            patches_.push_back({});
-            add_around_cylinder(face);
-        }
+    });
+    for (const FaceId face : diagram_.face_forms.ids()) {
+        if (!diagram_.face_forms[face].valid() || !is_vessel(object(face))) continue;
+        if (std::holds_alternative<HollowSphere>(object(face)))
+            add_in_sphere(face);
+        else
+            add_in_vessel(face);
     }
 }
 

@@ -38,7 +38,7 @@ struct Sector {
 class FacePatches {
 public:
     /// Without patches curves are fitted for their own sake: what they are told of has no trims.
-    FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves,
+    FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves, unsigned threads,
                 bool has_patches = true);
 
     /// The patch of a face that is not cut.
@@ -88,6 +88,7 @@ public:
     SpaceSite site(EdgeId e, unsigned side) const;
 
 private:
+    const Object& object(FaceId face) const { return problem_.objects[diagram_.face_forms[face]]; }
     std::vector<Vec3> poles(FaceId face) const;
     void add_in_sphere(FaceId face);
     bool halve(FaceId face);

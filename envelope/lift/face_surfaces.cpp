@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "../../core/threads.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "conic_trim.hpp"
 #include "face_cut.hpp"
@@ -14,13 +15,14 @@
 namespace vcell::radial {
 
 FaceSurfaces::FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatches& patches,
-                           RadialCurves& curves, EdgeFits& fits)
+                           RadialCurves& curves, EdgeFits& fits, unsigned threads)
     : problem_(of.problem),
       diagram_(of.diagram),
       loops_(loops),
       patches_(patches),
       curves_(curves),
       fits_(fits),
+      threads_(threads),
       trims_(loops, patches, curves),
       surfaces_(diagram_.dcel.face_count()),
       roundings_(diagram_.edges.size(), std::array{0.0, 0.0}) {}
@@ -67,14 +69,28 @@ void FaceSurfaces::make() {
     halve_for_trims();
 }
 
-// Makes the surfaces of some faces. Those that have got another patch instead are left.
+// Makes the surfaces of some faces, which are ascending. Those that have got another patch instead are left,
+// ascending. Faces with one patch know nothing of each other; seams of others are numbered through.
 std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
+    struct Left {
+        std::vector<FaceId> faces;
+        std::vector<EdgeId> bent;
+    };
+    std::vector<Left> left(range_count(faces.size()));
+    for_ranges(faces.size(), threads_, [&](std::size_t begin, std::size_t end, std::size_t task) {
+        for (std::size_t i = begin; i < end; ++i)
+            if (patches_.is_cut(faces[i]) || !make_whole(faces[i], left[task].bent))
+                left[task].faces.push_back(faces[i]);
+    });
     std::vector<FaceId> changed;
     seams_ = 0;
-    for (const FaceId face : faces) {
-        if (make_surface(face)) continue;
-        change_patch(face);
-        changed.push_back(face);
+    for (const Left& of_task : left) {
+        bent_.insert(bent_.end(), of_task.bent.begin(), of_task.bent.end());
+        for (const FaceId face : of_task.faces) {
+            if (patches_.is_cut(face) && make_cut(face)) continue;
+            change_patch(face);
+            changed.push_back(face);
+        }
     }
     return changed;
 }
@@ -98,18 +114,15 @@ TrimmedPatch& FaceSurfaces::whole(FaceId face) {
     return patches.front();
 }
 
-bool FaceSurfaces::make_surface(FaceId face) {
-    return patches_.is_cut(face) ? make_cut(face) : make_whole(face);
-}
-
 // ---- Faces with one patch ---------------------------------------------------------------------------
 
-bool FaceSurfaces::make_whole(FaceId face) {
+// Appends conics with a trim that turns so far that a weight is too small.
+bool FaceSurfaces::make_whole(FaceId face, std::vector<EdgeId>& bent) {
     if (lacks_digits(face)) return false;
     const RadialPatch& patch = patches_[face];
     TrimmedPatch& result = whole(face);
     result.loops = trims_.loops(face);
-    const Rectangle box = bounds(face);
+    const Rectangle box = bounds(face, bent);
     double rounding = 0;
     std::optional<RationalPatch> surface = patch.patch(box[0], box[1], problem_.frame, rounding);
     if (!is_good(face, surface)) return false;
@@ -121,13 +134,13 @@ bool FaceSurfaces::make_whole(FaceId face) {
 
 // The rectangle of a face's trims. Of the loops' the largest is the outer one's, which contains the others
 // and comes first from here on.
-Rectangle FaceSurfaces::bounds(FaceId face) {
+Rectangle FaceSurfaces::bounds(FaceId face, std::vector<EdgeId>& bent) {
     std::vector<std::vector<TrimCurve>>& loops = whole(face).loops;
     Rectangle outer = no_rectangle;
     const auto extent = [](const Rectangle& r) { return r[0][1] - r[0][0] + (r[1][1] - r[1][0]); };
     for (std::size_t i = 0; i < loops.size(); ++i) {
         Rectangle box = no_rectangle;
-        for (const TrimCurve& trim : loops[i]) extend_by_trim(box, patches_[face], trim);
+        for (const TrimCurve& trim : loops[i]) extend_by_trim(box, patches_[face], trim, bent);
         if (i > 0 && !(extent(box) > extent(outer))) continue;
         outer = box;
         std::swap(loops[0], loops[i]);
@@ -137,14 +150,15 @@ Rectangle FaceSurfaces::bounds(FaceId face) {
     return outer;
 }
 
-void FaceSurfaces::extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim) {
+void FaceSurfaces::extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim,
+                                  std::vector<EdgeId>& bent) const {
     if (trim.curve.degree != 2) return extend_by_rectangle(box, curve_bounds(trim.curve));
     const auto& p = trim.curve.points;
     for (std::size_t i = 0; i + 2 < p.size(); i += 2) {
         const double weight = p[i + 1].z() / std::sqrt(p[i].z() * p[i + 2].z());
         if (!(weight >= least_weight)) {
             const EdgeId e{*trim.edge};
-            bent_.push_back(e);
+            bent.push_back(e);
             for (const ConicSpan& span : curves_.conics(e)) extend_by_span(box, patch, span);
             return;
         }

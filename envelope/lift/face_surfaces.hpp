@@ -22,7 +22,7 @@ namespace vcell::radial {
 class FaceSurfaces {
 public:
     FaceSurfaces(const RadialDiagram& of, FaceLoops& loops, FacePatches& patches, RadialCurves& curves,
-                 EdgeFits& fits);
+                 EdgeFits& fits, unsigned threads);
 
     /// Fits the curves that depend on patches, and makes all surfaces. Throws UndecidedError, with sites and
     /// place, where a curve is not proved to be the edge or no patches hold a face.
@@ -44,13 +44,13 @@ private:
     std::vector<FaceId> made(const std::vector<FaceId>& faces);
     void change_patch(FaceId face);
     [[noreturn]] void throw_undecided(FaceId face) const;
-    bool make_surface(FaceId face);
-    bool make_whole(FaceId face);
+    bool make_whole(FaceId face, std::vector<EdgeId>& bent);
     bool make_cut(FaceId face);
     std::optional<std::vector<CutPart>> cut_parts(FaceId face);
     void match_seams(FaceId face, std::vector<CutPart>& parts, std::uint32_t first_seam) const;
-    Rectangle bounds(FaceId face);
-    void extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim);
+    Rectangle bounds(FaceId face, std::vector<EdgeId>& bent);
+    void extend_by_trim(Rectangle& box, const RadialPatch& patch, const TrimCurve& trim,
+                        std::vector<EdgeId>& bent) const;
     bool holds_vertices(FaceId face) const;
     bool is_good(FaceId face, const std::optional<RationalPatch>& surface) const;
     bool lacks_digits(FaceId face) const;
@@ -66,11 +66,12 @@ private:
     FacePatches& patches_;
     RadialCurves& curves_;
     EdgeFits& fits_;
+    const unsigned threads_;
     const FaceTrims trims_;
     IdVector<FaceId, std::vector<TrimmedPatch>> surfaces_;
     IdVector<EdgeId, std::array<double, 2>> roundings_;  // of both faces' control points, beside the edge
     std::map<FaceId, Cut> cuts_;                         // of faces whose patches were not kept
-    std::vector<EdgeId> bent_;  // conics with a trim that turns so far that a weight is too small
+    std::vector<EdgeId> bent_;                           // conics that halve_for_trims() halves
     std::uint32_t seams_ = 0;
 };
 

@@ -52,20 +52,20 @@ LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationD
 ///
 /// With a floor (RadialBaseProblem::floor) of faces that the problem shows only: edges beside none of them
 /// have no curve, and vertices of such edges alone no place. Measures are those of the faces, and the volume
-/// that between them and the axis. Pre: diagram is the lower envelope of problem.family over the whole base;
-/// tolerance > 0.
+/// that between them and the axis. The cell is the same for any number of threads, which do all but fits.
+/// Pre: diagram is the lower envelope of problem.family over the whole base; tolerance > 0.
 LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                           double tolerance, bool with_measures);
+                           double tolerance, bool with_measures, unsigned threads = 1);
 
 /// As lift_all_around(), but for the patches of the faces, where edges and measures do without: around a
 /// sphere, and around a cylinder in a vessel. There the edges' errors bound the distance from the true edge
 /// alone.
 LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                                double tolerance, bool with_measures);
+                                double tolerance, bool with_measures, unsigned threads = 1);
 /// Lifts as lift_without_patches() does where not all edges are conics: no patch has to hold a face, which
 /// may be of any shape.
 LiftedCell lift_curves_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                                  double tolerance, bool with_measures);
+                                  double tolerance, bool with_measures, unsigned threads = 1);
 
 /// The curves of edges between two objects, for their own sake: as lift_all_around() has them where no patch
 /// has to hold a face. Other edges have none, faces no patches, and there are no measures; errors bound the

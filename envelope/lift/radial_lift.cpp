@@ -25,12 +25,13 @@ using Eigen::Vector4d;
 
 class RadialLift : public EdgeLift {
 public:
-    RadialLift(const RadialDiagram& of, double tolerance)
-        : EdgeLift(of),
+    RadialLift(const RadialDiagram& of, double tolerance, unsigned threads)
+        : EdgeLift(of, threads),
+          threads_(threads),
           loops_(of.diagram),
-          patches_(of, loops_, curves_),
+          patches_(of, loops_, curves_, threads),
           fits_(of, patches_, curves_, tolerance),
-          surfaces_(of, loops_, patches_, curves_, fits_),
+          surfaces_(of, loops_, patches_, curves_, fits_, threads),
           errors_(of, equations_, curves_, patches_) {
         surfaces_.make();
     }
@@ -42,7 +43,7 @@ public:
 
     // The trims are compared with the space curve on patches as computed, whose control points are rounded;
     // and all of it is moved back, as for vertices.
-    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) {
+    LiftedEdgeErrors set_curve(EdgeId e, double ends, RationalCurve3& curve) const {
         const auto [far, rounding] = set_world_curve(e, curve);
         const auto [off, trims] = errors_(e, ends, rounding);
         if (surfaces_.rounding(e) > fits_.most_error())
@@ -62,7 +63,7 @@ public:
     }
 
     void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
-        measure_all_around(of_.problem, of_.diagram, positions, cell);
+        measure_all_around(of_.problem, of_.diagram, positions, cell, threads_);
     }
 
 private:
@@ -116,6 +117,7 @@ private:
         return 2 * narrow_tie * away * std::hypot(1, steepest) / apart;
     }
 
+    const unsigned threads_;
     FaceLoops loops_;
     radial::FacePatches patches_;
     radial::EdgeFits fits_;
@@ -126,17 +128,17 @@ private:
 }  // namespace
 
 LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                           double tolerance, bool with_measures) {
+                           double tolerance, bool with_measures, unsigned threads) {
     if (problem.floor.empty()) {
-        RadialLift lift({problem, diagram}, tolerance);
-        return CellAssembly(lift)(with_measures);
+        RadialLift lift({problem, diagram}, tolerance, threads);
+        return CellAssembly(lift, threads)(with_measures);
     }
     // Where the cell has no faces the diagram has no forms.
     MinimizationDiagram shown = diagram;
     for (FormId& form : shown.face_forms)
         if (form.valid() && !problem.shows(form, diagram.is_below_floor)) form = {};
-    RadialLift lift({problem, shown}, tolerance);
-    return CellAssembly(lift)(with_measures);
+    RadialLift lift({problem, shown}, tolerance, threads);
+    return CellAssembly(lift, threads)(with_measures);
 }
 
 }  // namespace vcell

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "../../core/threads.hpp"
 #include "space_spline.hpp"
 
 namespace vcell::radial {
@@ -22,23 +23,28 @@ SpaceSite end_wall(const RadialBaseProblem& problem, std::uint32_t side) {
     return {Plane{{0, problem.stretch[is_upper], 0}, {0, is_upper ? 1.0 : -1.0, 0}}, true, {}};
 }
 
-RadialVertices::RadialVertices(const RadialDiagram& of, EdgeEquations& equations)
-    : problem_(of.problem), diagram_(of.diagram), origin_(of.problem.frame.origin.norm()) {
+RadialVertices::RadialVertices(const RadialDiagram& of, const EdgeEquations& equations, unsigned threads)
+    : problem_(of.problem),
+      diagram_(of.diagram),
+      origin_(of.problem.frame.origin.norm()),
+      points_(diagram_.vertices.size(), Vector4d::Zero()),
+      errors_(diagram_.vertices.size(), 0) {
     std::vector<bool> is_asked(diagram_.vertices.size(), problem_.floor.empty());
     if (!problem_.floor.empty())
         for (const EdgeId e : diagram_.edges.ids())
             if (const VertexId start = diagram_.start(e); start.valid() && !of.is_bare(e))
                 is_asked[start.value] = is_asked[diagram_.end(e).value] = true;
-    points_.reserve(diagram_.vertices.size());
-    errors_.reserve(diagram_.vertices.size());
-    for (const VertexId v : diagram_.vertices.ids()) {
-        const auto [point, error] = is_asked[v.value] ? lifted(v, equations) : Vertex{Vector4d::Zero(), 0};
-        points_.push_back(point);
-        errors_.push_back(error);
-    }
+    for_ranges(points_.size(), threads, [&](std::size_t begin, std::size_t end) {
+        for (auto v = VertexId{static_cast<std::uint32_t>(begin)}; v.value < end; ++v.value) {
+            if (!is_asked[v.value]) continue;
+            const auto [point, error] = lifted(v, equations);
+            points_[v] = point;
+            errors_[v] = error;
+        }
+    });
 }
 
-RadialVertices::Vertex RadialVertices::lifted(VertexId v, EdgeEquations& equations) const {
+RadialVertices::Vertex RadialVertices::lifted(VertexId v, const EdgeEquations& equations) const {
     const MinimizationDiagram::Vertex& from = diagram_.vertices[v];
     const double t = problem_.chart.distance_of(from.point, from.height);
     const Vec3 p = problem_.chart.point(from.point, t);

@@ -15,7 +15,7 @@ SpaceSite end_wall(const RadialBaseProblem& problem, std::uint32_t side);
 
 class RadialVertices {
 public:
-    RadialVertices(const RadialDiagram& of, EdgeEquations& equations);
+    RadialVertices(const RadialDiagram& of, const EdgeEquations& equations, unsigned threads = 1);
 
     /// (p, t), canonical.
     const Eigen::Vector4d& operator[](VertexId v) const { return points_[v]; }
@@ -37,7 +37,7 @@ private:
         double error;
     };
 
-    Vertex lifted(VertexId v, EdgeEquations& equations) const;
+    Vertex lifted(VertexId v, const EdgeEquations& equations) const;
     double chart_error(const MinimizationDiagram::Vertex& v, double t) const;
     std::optional<SpaceEnd> settled(VertexId v, const SpaceEnd& near) const;
 

@@ -37,7 +37,7 @@ public:
 
     // Between two vertices, from directions alone. Not where rounding could take a short arc for all but a
     // full circle.
-    bool add_between(const Vector4d& from, const Vector4d& to) {
+    void add_between(const Vector4d& from, const Vector4d& to) {
         const Vec3 normal = planes_[0]->gradient() - planes_[1]->gradient();
         const double length = normal.norm(),
                      size = planes_[0]->gradient().norm() + planes_[1]->gradient().norm();
@@ -48,9 +48,8 @@ public:
         constexpr double least_normal = 0x1p-10, least_radius2 = 0x1p-10, least_chord2 = 0x1p-20;
         if (!(length > least_normal * size && radius2 > least_radius2 &&
               (v - u).squaredNorm() > least_chord2 * radius2))
-            return false;
+            return;
         add_about(normal / length, from, to);
-        return true;
     }
 
     // Along arcs of the chart, on f and another form. On a circle |p|^2 is a linear function of p plus a
@@ -120,23 +119,21 @@ private:
 
 }  // namespace
 
-void add_sphere_arcs(const RadialDiagram& of, EdgeEquations& equations, RadialCurves& curves,
-                     Decisions& decisions) {
+Decisions add_sphere_arcs(const RadialDiagram& of, RadialCurves& curves, unsigned threads) {
     const MinimizationDiagram& diagram = of.diagram;
+    const EdgeEquations& equations = curves.equations();
+    const auto is_arc = [&](EdgeId e) {
+        return !curves.is_line(e) && !curves.is_spline(e) && !curves.is_axial_conic(e);
+    };
+    curves.set_all_conics(threads, [&](EdgeId e, std::vector<ConicSpan>& spans) {
+        if (is_arc(e) && curves.has_ends(e) && diagram.start(e) != diagram.end(e))
+            SphereArc(of.problem, equations.hyperplanes(e), spans).add_between(curves.from(e), curves.to(e));
+    });
     std::vector<EdgeId> in_chart;
-    for (const EdgeId e : diagram.edges.ids()) {
-        if (curves.is_line(e) || curves.is_spline(e) || curves.is_axial_conic(e)) continue;
-        bool is_added = curves.has_ends(e) && diagram.start(e) != diagram.end(e);
-        if (is_added)
-            curves.set_conics(e, [&](std::vector<ConicSpan>& spans) {
-                is_added = SphereArc(of.problem, equations.hyperplanes(e), spans)
-                               .add_between(curves.from(e), curves.to(e));
-            });
-        if (!is_added) in_chart.push_back(e);
-    }
-    if (in_chart.empty()) return;
+    for (const EdgeId e : diagram.edges.ids())
+        if (curves.conics(e).empty() && is_arc(e)) in_chart.push_back(e);
+    if (in_chart.empty()) return {};
     const ChartArcs arcs(of.problem.family, diagram, in_chart);
-    decisions += arcs.decisions();
     for (const EdgeId e : in_chart)
         curves.set_conics(e, [&](std::vector<ConicSpan>& spans) {
             const MinimizationDiagram::Edge& edge = diagram.edges[e];
@@ -149,6 +146,7 @@ void add_sphere_arcs(const RadialDiagram& of, EdgeEquations& equations, RadialCu
                 .add_along(arcs.spans(e), smaller(diagram.forms[edge.left], diagram.forms[edge.right]), from,
                            to);
         });
+    return arcs.decisions();
 }
 
 }  // namespace vcell::radial

@@ -7,9 +7,7 @@
 
 namespace vcell::radial {
 
-/// Makes the conics of all edges between circular forms that are no lines. `decisions` counts the signs that
-/// are taken.
-void add_sphere_arcs(const RadialDiagram& of, EdgeEquations& equations, RadialCurves& curves,
-                     Decisions& decisions);
+/// Makes the conics of all edges between circular forms that are no lines. Returns the signs that are taken.
+Decisions add_sphere_arcs(const RadialDiagram& of, RadialCurves& curves, unsigned threads);
 
 }  // namespace vcell::radial

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../core/threads.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 #include "radial_patch.hpp"
 
@@ -110,6 +111,22 @@ Hyperplane::Hyperplane(const RadialBaseProblem& problem, FormId f)
     plane_.normal << scale * b, scale * b0;
     plane_.k = scale * k;
     plane_.power = scale * scale * square;
+}
+
+Hyperplanes::Hyperplanes(const RadialDiagram& of, unsigned threads)
+    : planes_(of.problem.family.forms.size()) {
+    if (planes_.empty()) return;
+    IdVector<FormId, std::uint8_t> is_named(planes_.size(), 0);
+    const auto name = [&](std::span<const FormId> label) {
+        for (const FormId f : label)
+            if (f.value < planes_.size()) is_named[f] = 1;
+    };
+    for (const EdgeId e : of.diagram.edges.ids()) name(of.diagram.label(e));
+    for (const VertexId v : of.diagram.vertices.ids()) name(of.diagram.label(v));
+    for_ranges(planes_.size(), threads, [&](std::size_t begin, std::size_t end) {
+        for (auto f = FormId{static_cast<std::uint32_t>(begin)}; f.value < end; ++f.value)
+            if (is_named[f] != 0) planes_[f].emplace(of.problem, f);
+    });
 }
 
 Vector4d moved(const Vector4d& x, double weight, const std::array<const Hyperplane*, 2>& planes) {

@@ -14,6 +14,7 @@
 #include "../../core/numbers/sign.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../cell.hpp"
+#include "based_diagram.hpp"
 #include "conic_error.hpp"
 
 namespace vcell::radial {
@@ -52,24 +53,16 @@ private:
     DistancePlane plane_;
 };
 
-/// The hyperplanes of a problem's circular forms, each made when it is asked for first.
+/// The hyperplanes of those circular forms that a diagram names: most forms of many are hidden.
 class Hyperplanes {
 public:
-    /// Over a cylinder base no form is circular, and there are none.
-    explicit Hyperplanes(const RadialBaseProblem& problem)
-        : problem_(problem), planes_(problem.family.forms.size()) {}
+    Hyperplanes(const RadialDiagram& of, unsigned threads);
 
-    const Hyperplane& operator[](FormId f) {
-        const std::optional<Hyperplane>& plane = planes_[f];
-        return plane ? *plane : make(f);
-    }
-    std::array<const Hyperplane*, 2> operator()(FormId f, FormId g) { return {&(*this)[f], &(*this)[g]}; }
+    /// Pre: a label of the diagram has the form, which is circular.
+    const Hyperplane& operator[](FormId f) const { return *planes_[f]; }
 
 private:
-    [[gnu::noinline]] const Hyperplane& make(FormId f) { return planes_[f].emplace(problem_, f); }
-
-    const RadialBaseProblem& problem_;
-    IdVector<FormId, std::optional<Hyperplane>> planes_;
+    IdVector<FormId, std::optional<Hyperplane>> planes_;  // over a cylinder no form is circular
 };
 
 /// x, homogeneous of that weight, moved to the common points of both; where they are all but parallel, to

@@ -36,7 +36,7 @@ void measure_over_region(const PlaneBaseProblem& problem, const MinimizationDiag
 /// is_estimated says so. Lengths of conics are proven over both bases. positions: bounds on the distances of
 /// the edges' space curves from the true edges.
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                        const IdVector<EdgeId, double>& positions, Cell& cell);
+                        const IdVector<EdgeId, double>& positions, Cell& cell, unsigned threads);
 
 /// How much longer, over its error, a conic's arc may be than the true one: the arc and its chord bound a
 /// convex body. Of two such bodies each within e of the other the perimeters differ by 2 pi e at most

@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
+#include "../../core/small_vector.hpp"
+#include "../../core/threads.hpp"
 #include "../lift/face_loops.hpp"
 #include "../lift/vessel_turns.hpp"
-#include "../room_at.hpp"
+#include "radial_distances.hpp"
 #include "radial_integrals.hpp"
 #include "solid_angle.hpp"
 
@@ -32,41 +34,6 @@ const radial_integrals::RoundFace* as_closed(const RadialFace& face) {
     return round != nullptr && round->is_closed() ? round : nullptr;
 }
 
-// Where rays from a base's centre or axis and from a vessel's wall meet head on. Over a generator of a tube
-// along the base, or all around it, they are many, or edges have them, too. Pre: over a ball, a hollow
-// sphere.
-std::vector<Vec3> places_head_on(const Object& vessel, const BaseChart& chart) {
-    const double R0 = chart.radius;
-    if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
-        const Vec3 foot = chart.foot_below(ball->center), away = ball->center - foot;
-        const double off = away.norm(), t = 0.5 * (ball->radius + R0 + off);
-        const Vec3 u = off > 0 ? Vec3(away / off) : Vec3::UnitX().eval();
-        return {foot + t * u};
-    }
-    const auto* cone = std::get_if<HollowCone>(&vessel);
-    const auto* tube = std::get_if<HollowCylinder>(&vessel);
-    const Vec3 w = (cone != nullptr ? cone->axis : tube->axis).stableNormalized(),
-               point = cone != nullptr ? cone->apex : tube->point;
-    const double S = cone != nullptr ? cone->sine() : 0, K = cone != nullptr ? cone->cosine() : 1,
-                 across = std::hypot(w.x(), w.z()), cosine = across > 0 ? S * w.y() / (K * across) : 2;
-    if (!(std::abs(cosine) < 1)) return {};
-    // The wall's generator beside the place is along w and e from the axis; the plane that touches there
-    // is along the base.
-    std::vector<Vec3> places;
-    const Vec3 toward = (Vec3::UnitY() - w.y() * w) / across, aside = w.cross(toward);
-    for (const double side : {-1.0, 1.0}) {
-        const Vec3 e = cosine * toward + side * std::sqrt(1 - cosine * cosine) * aside, out = K * e - S * w,
-                   beside = w.cross(e);
-        const Vec3 direction = Vec3(out.x(), 0, out.z()).normalized();
-        const double y = point.dot(beside) / beside.y();
-        const Vec3 from(0, y, 0);
-        const double own = tube != nullptr ? tube->radius : 0, t = 0.5 * (own - out.dot(from - point) + R0);
-        const Vec3 p = from + t * direction;
-        if (std::isfinite(y) && (p - point).dot(e) > 0) places.push_back(p);
-    }
-    return places;
-}
-
 class RadialMeasurer {
 public:
     RadialMeasurer(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
@@ -77,10 +44,22 @@ public:
           cell_(cell),
           areas_(cell.faces.size()) {}
 
-    void run() {
+    // Edges leave what they add task by task, in the same order whatever threads do what.
+    void run(unsigned threads) {
         add_faces();
         choose_integrals();
-        for (const EdgeId e : diagram_.edges.ids()) measure_edge(e);
+        const std::size_t edges = diagram_.edges.size();
+        in_order(
+            range_count(edges), threads,
+            [&](std::size_t task) {
+                Sums sums;
+                const std::size_t begin = task * elements_of_task;
+                for (auto e = EdgeId{static_cast<std::uint32_t>(begin)};
+                     e.value < std::min(edges, begin + elements_of_task); ++e.value)
+                    measure_edge(e, sums);
+                return sums;
+            },
+            [&](std::size_t, const Sums& sums) { add(sums); });
         add_solid_angles();
         add_poles();
         add_tips();
@@ -118,10 +97,7 @@ public:
         m.area_error = area_.bound();
         m.box_area = box_area_.value();
         m.box_area_error = box_area_.bound();
-        m.min_clearance = distance_[0] - radius;
-        m.max_clearance = distance_[1] - radius;
-        m.min_clearance_error = std::max(least_[1] - distance_[0], distance_[0] - least_[0]);
-        m.max_clearance_error = std::max(greatest_[1] - distance_[1], distance_[1] - greatest_[0]);
+        distances_.set_clearances(radius, m);
         // A cylinder's stretch ends at the box.
         m.touches_box = !problem_.region.empty() || std::ranges::any_of(cell_.faces, [](const CellFace& f) {
             return f.site.kind == Site::Kind::BoxSide;
@@ -130,6 +106,26 @@ public:
     }
 
 private:
+    // What a task's edges add to the cell and to its faces.
+    struct Sums {
+        struct Area {
+            std::uint32_t face;
+            double value, error;
+        };
+
+        BoundedSum volume, box_area;
+        RadialDistances distances;
+        std::vector<Area> areas;
+        std::vector<std::uint32_t> estimated;  // faces
+    };
+    void add(const Sums& sums) {
+        volume_.add(sums.volume);
+        box_area_.add(sums.box_area);
+        distances_.add(sums.distances);
+        for (const auto& [face, value, error] : sums.areas) areas_[face].add(value, error);
+        for (const std::uint32_t face : sums.estimated) cell_.faces[face].is_estimated = true;
+    }
+
     bool is_smooth(EdgeId e) const {
         return diagram_.is_circular(diagram_.edges[e].left) && cell_.edges[e.value].kind != CurveKind::Spline;
     }
@@ -182,23 +178,7 @@ private:
             cell_faces_[f.value] = static_cast<std::uint32_t>(faces_.size());
             faces_.push_back(make_radial_face(
                 problem_, form, are_asked ? reaches[f.value].around() : radial_integrals::Around()));
-            // The least of all forms' least distances is that of one which is nearest there. Elsewhere
-            // the smallest distance is on an edge.
-            if (is_vessel(problem_.objects[form])) add_farthest(form);
-            const double least = least_distance(faces_.back()),
-                         error = 8 * u * (least + problem_.chart.radius + reach(problem_.objects[form]));
-            if (problem_.floor.empty() || !std::isfinite(least)) {
-                add_distance(least, least, error);
-                continue;
-            }
-            // But over a floor it counts only where the cell is there.
-            const Vec3 place = nearest_place(problem_.objects[form], least);
-            const double room = room_at(problem_, form, place, least - problem_.chart.radius),
-                         unsure = 64 * (error + u * place.norm());
-            if (room > unsure)
-                add_distance(least, least, error);
-            else if (room >= -unsure)
-                least_[0] = std::min(least_[0], least - error);
+            distances_.add_bisector(problem_, form, least_distance(faces_.back()));
         }
     }
 
@@ -210,14 +190,15 @@ private:
                 round != nullptr && round->is_ellipsoid())
                 distances[f] = {std::numeric_limits<double>::infinity(), 0};
         if (distances.empty()) return;
+        Points points;
         for (const EdgeId e : diagram_.edges.ids()) {
-            const int degree = set_points(e);
+            const int degree = set_points(e, points);
             for (const unsigned side : {0u, 1u}) {
                 const auto distance = distances.find(face(e, side));
                 if (distance == distances.end()) continue;
                 auto& [least, most] = distance->second;
-                for (std::size_t i = 0; i < points_.size(); i += degree) {
-                    const double t = points_[i].head<3>().norm();
+                for (std::size_t i = 0; i < points.size(); i += degree) {
+                    const double t = points[i].head<3>().norm();
                     least = std::min(least, t);
                     most = std::max(most, t);
                 }
@@ -227,134 +208,103 @@ private:
             std::get<radial_integrals::RoundFace>(faces_[f]).choose_integrals(distance);
     }
 
-    // Where the bisector with a ball, or a tube that is not along the base's axis, is nearest to that, at the
-    // distance `least`: towards the ball's centre, or the tube's axis.
-    static Vec3 nearest_place(const Object& object, double least) {
-        Vec3 q = Vec3::Zero();
-        if (const auto* ball = std::get_if<Sphere>(&object)) {
-            q = ball->center;
-        } else {
-            const auto& tube = std::get<Cylinder>(object);
-            const Vec3 d = tube.axis.normalized();
-            q = tube.point - (tube.point.x() * d.x() + tube.point.z() * d.z()) / (1 - d.y() * d.y()) * d;
-        }
-        const double away = std::hypot(q.x(), q.z());
-        return {q.x() / away * least, q.y(), q.z() / away * least};
-    }
-
-    // The bisector with a vessel is farthest from the base's centre or axis where the rays from that and from
-    // the wall meet head on: nothing later on has the place unless an edge runs through it.
-    void add_farthest(FormId form) {
-        for (const Vec3& p : farthest_places(form)) {
-            const double t = problem_.chart.distance(p),
-                         error = 16 * u * (t + p.norm() + reach(problem_.objects[form])),
-                         height = problem_.chart.along(p.y()),
-                         room = height < problem_.stretch[0] || height > problem_.stretch[1]
-                                    ? -infinity
-                                    : room_at(problem_, form, p, t - problem_.chart.radius);
-            if (room > 4 * error)
-                add_distance(t, t, error);
-            else if (room >= -4 * error)
-                greatest_[1] = std::max(greatest_[1], t + error);
-        }
-    }
-    // Over a generator of a tube along the base, or all around it, they are many, or edges have them, too. At
-    // a tip the bisector has no tangent plane; around a ball only those are far from it in a tube or cone.
-    std::vector<Vec3> farthest_places(FormId form) const {
-        const Object& vessel = problem_.objects[form];
-        std::vector<Vec3> places;
-        if (problem_.family.forms.empty() || std::holds_alternative<HollowSphere>(vessel))
-            places = places_head_on(vessel, problem_.chart);
-        for (const VesselTip& tip : vessel_tips(problem_, form)) places.push_back(tip.point());
-        return places;
-    }
     std::uint32_t face(EdgeId e, unsigned side) const {
         return cell_faces_[diagram_.dcel.face(Dcel::half_edge(e, side)).value];
     }
 
-    // Those of the edge's curve, which is of the degree returned.
-    int set_points(EdgeId e) {
-        points_.clear();
+    using Points = SmallVector<Vector4d, 8>;
+    // Those of the edge's curve, canonical, which is of the degree returned.
+    int set_points(EdgeId e, Points& points) const {
+        points.clear();
         const RationalCurve3& curve = cell_.edges[e.value].curve;
         for (const Vector4d& p : curve.points) {
             const Vec3 canonical = problem_.frame.to_canonical(p.head<3>());
-            points_.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
+            points.push_back({canonical.x(), canonical.y(), canonical.z(), p.w()});
         }
         return curve.degree;
     }
 
-    void measure_edge(EdgeId e) {
+    void measure_edge(EdgeId e, Sums& sums) {
         CellEdge& edge = cell_.edges[e.value];
-        if (face(e, 0) == no_face && face(e, 1) == no_face) return;
-        const int degree = set_points(e);
         const std::uint32_t left = face(e, 0), right = face(e, 1);
+        if (left == no_face && right == no_face) return;
+        Points points;
+        const int degree = set_points(e, points);
+        const RadialFace& first = faces_[left != no_face ? left : right];
+        const RadialFace* const second = left != no_face && right != no_face ? &faces_[right] : nullptr;
         RadialIntegrals sum;
-        for (std::size_t i = 0; i + degree < points_.size(); i += degree) {
-            const std::span<const Vector4d> span(points_.data() + i, degree + 1);
-            if (!is_smooth(e)) {
-                add_span_beside(left, right, span, edge.kind != CurveKind::Spline, sum);
-            } else if (degree == 1) {
-                add_segment(span[0].head<3>(), span[1].head<3>(), faces_[left], faces_[right], sum);
-            } else {
-                std::array<Vector4d, 3> p;
-                for (int k : {0, 1, 2}) p[k] << span[k].w() * span[k].head<3>(), span[k].w();
-                add_conic(p, faces_[left], faces_[right], sum);
-                add_arcs(left, p, 1);
-                add_arcs(right, p, -1);
-            }
+        for (std::size_t i = 0; i + degree < points.size(); i += degree) {
+            const std::span<const Vector4d> span(points.data() + i, degree + 1);
+            if (!is_smooth(e))
+                add_span(span, edge.kind != CurveKind::Spline, problem_.chart, first, second, sum);
+            else if (degree == 1)
+                add_segment(span[0].head<3>(), span[1].head<3>(), first, *second, sum);
+            else
+                add_conic(weighted(span), first, *second, sum);
         }
         edge.length = sum.length.value;
         edge.length_error = sum.length.error + length_sensitivity * positions_[e];
-        add_distance(sum.distance[0], sum.distance[1],
-                     positions_[e] + 8 * u * (sum.distance[1] + problem_.chart.radius));
+        sums.distances.add(sum.distance[0], sum.distance[1],
+                           positions_[e] + 8 * u * (sum.distance[1] + problem_.chart.radius));
         if (!is_smooth(e)) {
             edge.is_estimated = edge.kind == CurveKind::Spline;
             for (const std::uint32_t f : {left, right})
-                if (f != no_face) cell_.faces[f].is_estimated = true;
+                if (f != no_face) sums.estimated.push_back(f);
         }
-        if (left != no_face) add_side(left, sum.sides[0], 1);
+        if (left != no_face) add_side(left, sum.sides[0], 1, sums);
         if (right != no_face) {
-            add_side(right, sum.sides[left != no_face ? 1 : 0], -1);
+            add_side(right, sum.sides[left != no_face ? 1 : 0], -1, sums);
         } else if (diagram_.edges[e].on_rim()) {
             // The rim at the lower end runs about the axis counter-clockwise.
-            box_area_.add(std::abs(sum.end_area.value), sum.end_area.error);
+            sums.box_area.add(std::abs(sum.end_area.value), sum.end_area.error);
         }
-        add_position_error(positions_[e], left, right, sum, is_smooth(e));
+        add_position_error(positions_[e], left, right, sum, is_smooth(e), sums);
         // What lies under the face ends there, with a wall as high as the distance.
         if (!diagram_.edges[e].on_rim() && (left == no_face || right == no_face))
-            volume_.add(0, (2 * sum.length.value + 4 * positions_[e]) * (positions_[e] + sum.gap.from_curve) *
-                               sum.distance[1]);
+            sums.volume.add(0, (2 * sum.length.value + 4 * positions_[e]) *
+                                   (positions_[e] + sum.gap.from_curve) * sum.distance[1]);
+    }
+    // The control points of a conic's span, times their weights.
+    static std::array<Vector4d, 3> weighted(std::span<const Vector4d> span) {
+        std::array<Vector4d, 3> p;
+        for (int k : {0, 1, 2}) p[k] << span[k].w() * span[k].head<3>(), span[k].w();
+        return p;
     }
 
-    // A span of any curve between two faces, of which one may not be there.
-    void add_span_beside(std::uint32_t left, std::uint32_t right, std::span<const Vector4d> span,
-                         bool is_conic, RadialIntegrals& sum) {
-        const bool has_both = left != no_face && right != no_face;
-        add_span(span, is_conic, problem_.chart, faces_[left != no_face ? left : right],
-                 has_both ? &faces_[right] : nullptr, sum);
-        for (const auto& [face, sign] : {std::pair(left, 1.0), std::pair(right, -1.0)}) {
-            if (face == no_face || as_closed(faces_[face]) == nullptr) continue;
-            const Integral above = angle_above_chord(span, is_conic, problem_.chart);
-            angles_[face].add(span.front().head<3>().normalized(), span.back().head<3>().normalized(),
-                              above.value, above.error, sign);
+    // An edge beside a face of a closed bisector, on its left or right (sign = -1). Seen from the base's
+    // centre a conic is a circle, of which a span is less than all.
+    void add_angles(EdgeId e, double sign, SolidAngle& angle) const {
+        Points points;
+        const int degree = set_points(e, points);
+        const bool is_conic = cell_.edges[e.value].kind != CurveKind::Spline;
+        for (std::size_t i = 0; i + degree < points.size(); i += degree) {
+            const std::span<const Vector4d> span(points.data() + i, degree + 1);
+            const Vec3 from = span.front().head<3>().normalized(), to = span.back().head<3>().normalized();
+            if (!is_smooth(e)) {
+                const Integral above = angle_above_chord(span, is_conic, problem_.chart);
+                angle.add(from, to, above.value, above.error, sign);
+            } else if (degree == 2) {
+                const std::array<Vector4d, 3> p = weighted(span);
+                const Vec3 middle = (p[0] + 2 * p[1] + p[2]).head<3>().normalized(),
+                           normal = (middle - from).cross(to - middle).normalized();
+                const double height = normal.dot(middle);
+                angle.add(from, middle, normal, height, sign);
+                angle.add(middle, to, normal, height, sign);
+            }
         }
     }
-    // A conic beside a face, on its left or right (sign = -1): seen from the base's centre a circle, of which
-    // the span is less than all.
-    void add_arcs(std::uint32_t face, const std::array<Vector4d, 3>& p, double sign) {
-        if (as_closed(faces_[face]) == nullptr) return;
-        const Vec3 from = p[0].head<3>().normalized(), to = p[2].head<3>().normalized(),
-                   middle = (p[0] + 2 * p[1] + p[2]).head<3>().normalized(),
-                   normal = (middle - from).cross(to - middle).normalized();
-        const double height = normal.dot(middle);
-        angles_[face].add(from, middle, normal, height, sign);
-        angles_[face].add(middle, to, normal, height, sign);
-    }
     void add_solid_angles() {
-        for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+        std::map<std::uint32_t, SolidAngle> angles;
+        for (std::uint32_t f = 0; f < faces_.size(); ++f)
+            if (as_closed(faces_[f]) != nullptr) angles[f];
+        if (angles.empty()) return;
+        for (const EdgeId e : diagram_.edges.ids())
+            for (const unsigned side : {0u, 1u})
+                if (const auto angle = angles.find(face(e, side)); angle != angles.end())
+                    add_angles(e, side == 0 ? 1 : -1, angle->second);
+        for (const auto& [f, angle] : angles) {
             const auto* closed = as_closed(faces_[f]);
-            if (closed == nullptr) continue;
-            const SolidAngle::Value omega = angles_[f].value();
+            const SolidAngle::Value omega = angle.value();
             const radial_integrals::Share mean = closed->mean();
             // Means are known to some ten roundings.
             const double error = omega.error + 32 * u * omega.angle;
@@ -401,51 +351,32 @@ private:
                     volume_.add(share.volume, share.volume_rest);
                 });
                 cell_.faces[f].is_estimated = true;
-                add_distance(tip.reach, tip.reach,
-                             32 * u * (tip.reach + reach(problem_.objects[diagram_.face_forms[face]])));
+                distances_.add_tip(tip, problem_.objects[diagram_.face_forms[face]]);
             }
     }
 
-    // Of the point that an axis or a plane runs through: projections of it are rounded. A ball's power is
-    // not.
-    static double reach(const Object& object) {
-        if (const auto* plane = std::get_if<Plane>(&object)) return plane->point.norm();
-        if (const auto* vessel = std::get_if<HollowCylinder>(&object)) return vessel->point.norm();
-        if (const auto* vessel = std::get_if<HollowCone>(&object)) return vessel->apex.norm();
-        const auto* cylinder = std::get_if<Cylinder>(&object);
-        return cylinder != nullptr ? cylinder->point.norm() : 0;
-    }
-
-    // A range of distances, known within an error.
-    void add_distance(double low, double high, double error) {
-        if (!std::isfinite(low)) return;
-        distance_ = {std::min(distance_[0], low), std::max(distance_[1], high)};
-        least_ = {std::min(least_[0], low - error), std::min(least_[1], low + error)};
-        greatest_ = {std::max(greatest_[0], high - error), std::max(greatest_[1], high + error)};
-    }
-
-    void add_side(std::uint32_t face, const RadialIntegrals::Side& side, double sign) {
-        volume_.add(sign * side.volume.value, side.volume.error);
-        areas_[face].add(sign * side.area.value, side.area.error);
+    static void add_side(std::uint32_t face, const RadialIntegrals::Side& side, double sign, Sums& sums) {
+        sums.volume.add(sign * side.volume.value, side.volume.error);
+        sums.areas.push_back({face, sign * side.area.value, side.area.error});
     }
 
     // What an edge that is off by `error` changes: strips of its length, which may itself be off by as much
     // at either end. Of a conic the integrand's own derivative across the strip counts; elsewhere the gap
     // between the two bisectors, which closes towards the true edge. Both doubled, and to first order.
     void add_position_error(double error, std::uint32_t left, std::uint32_t right, const RadialIntegrals& sum,
-                            bool is_smooth) {
+                            bool is_smooth, Sums& sums) const {
         const double length = 2 * sum.length.value + 4 * error;
         if (is_smooth) {
             for (const std::uint32_t side : {left, right}) {
                 const auto& round = std::get<radial_integrals::RoundFace>(faces_[side]);
                 const double near = std::max(0.0, sum.distance[0] - error), far = sum.distance[1] + error;
-                volume_.add(0, length * error * round.volume_slope(near, far));
+                sums.volume.add(0, length * error * round.volume_slope(near, far));
             }
         } else {
-            volume_.add(0, length * (error + sum.gap.from_curve) * sum.gap.apart);
+            sums.volume.add(0, length * (error + sum.gap.from_curve) * sum.gap.apart);
         }
         for (const std::uint32_t side : {left, right})
-            if (side != no_face) areas_[side].add(0, length * (error + sum.gap.from_curve));
+            if (side != no_face) sums.areas.push_back({side, 0, length * (error + sum.gap.from_curve)});
     }
 
     const RadialBaseProblem& problem_;
@@ -455,18 +386,15 @@ private:
     std::vector<RadialFace> faces_;          // of the cell
     std::vector<std::uint32_t> cell_faces_;  // of each face of the diagram
     std::vector<BoundedSum> areas_;
-    std::map<std::uint32_t, SolidAngle> angles_;  // of the faces of closed bisectors
     BoundedSum volume_, area_, box_area_;
-    std::vector<Vector4d> points_;  // of one edge, canonical
-    std::array<double, 2> distance_{std::numeric_limits<double>::infinity(), 0};
-    std::array<double, 2> least_{distance_[0], distance_[0]}, greatest_{0, 0};  // bounds of both
+    RadialDistances distances_;
 };
 
 }  // namespace
 
 void measure_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
-                        const IdVector<EdgeId, double>& positions, Cell& cell) {
-    RadialMeasurer(problem, diagram, positions, cell).run();
+                        const IdVector<EdgeId, double>& positions, Cell& cell, unsigned threads) {
+    RadialMeasurer(problem, diagram, positions, cell).run(threads);
 }
 
 }  // namespace vcell

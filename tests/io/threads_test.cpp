@@ -48,6 +48,21 @@ Scene lattice() {
     return scene;
 }
 
+Scene balls_around_one(std::mt19937_64& rng) {
+    constexpr int count = 1800;
+    Scene scene;
+    const Vec3 center(0.1, 0.2, -0.3);
+    scene.base = Sphere{center, 1};
+    scene.box = {{-8, -8, -8}, {8, 8, 8}};
+    std::normal_distribution<double> direction;
+    std::uniform_real_distribution<double> away(2, 2.001), radius(0, 0.0004);
+    for (int i = 0; i < count; ++i) {
+        const Vec3 d(direction(rng), direction(rng), direction(rng));
+        scene.objects.push_back(Sphere{center + away(rng) * d.normalized(), radius(rng)});
+    }
+    return scene;
+}
+
 Cell cell_on(unsigned threads, const Scene& scene, CellOptions options = {}) {
     options.threads = threads;
     Cell cell = voronoi_cell(scene, options);
@@ -89,6 +104,18 @@ TEST_CASE("threads: a cell's bytes are the same for any number of them") {
         options.complete = true;
         check_threads(scene, options);
         scene.objects.push_back(Cylinder{{0, 0, 12}, {1, 0.2, 0}, 0.5});
+        check_threads(scene);
+    }
+    SUBCASE("balls around one, without patches, with a cap, with a rod") {
+        Scene scene = balls_around_one(rng);
+        check_threads(scene);
+        CellOptions bare;
+        bare.patches = false;
+        check_threads(scene, bare);
+        scene.probe = 0.505;
+        check_threads(scene);
+        scene.probe.reset();
+        scene.objects.push_back(Cylinder{{0, 0, 1.9}, {1, 0.2, 0}, 0.05});
         check_threads(scene);
     }
 }
