@@ -158,7 +158,7 @@ void measure_trisectors(benchmark::State& state, bool with_sphere, double relati
             const std::clock_t start = std::clock();
             const MinimizationDiagram diagram = lower_envelope(cases[i].problem.family, cases[i].region);
             const FaceLoops loops(diagram, true);
-            const MixedArcs arcs(cases[i].problem, diagram, loops, tolerance);
+            const MixedArcs arcs(cases[i].problem, diagram, loops, tolerance, 1);
             least[i] = std::min(least[i], 1e6 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
             state.PauseTiming();
             decisions += diagram.decisions;

@@ -28,6 +28,9 @@ public:
 
     /// The id of a new seam.
     std::uint32_t new_seam() { return seam_bit | seams_++; }
+    /// The id of seams at a depth of a recursion in which both pieces beside one are glued before others at
+    /// that depth are added: never those of two seams at a time.
+    static std::uint32_t seam_at(unsigned depth) { return seam_bit | depth_bit | depth; }
     static bool is_seam(std::uint32_t side) { return (side & seam_bit) != 0; }
     /// Seams of its own have other ids than those that `other` has given.
     void leave_seams_to(const Patchwork& other) { seams_ = other.seams_; }
@@ -61,7 +64,7 @@ public:
     MinimizationDiagram finish(const Heights& heights);
 
 private:
-    static constexpr std::uint32_t seam_bit = 0x80000000u;
+    static constexpr std::uint32_t seam_bit = 0x80000000u, depth_bit = 0x40000000u;
 
     /// Joins an island of the piece that was added last, whose first edge that is, to the face that it lies
     /// in.

@@ -24,14 +24,13 @@ public:
           threads_(threads),
           loops_(of.diagram),
           patches_(of, loops_, curves_, threads, false),
-          fits_(of, patches_, curves_, tolerance) {
+          fits_(of, patches_, curves_, tolerance, threads) {
         std::vector<EdgeId> to_fit;
         for (const EdgeId e : of_.diagram.edges.ids())
             if (is_wanted(e) && fits_.is_asked_for(e)) to_fit.push_back(e);
         fits_.grant(to_fit.size());
-        for (const EdgeId e : to_fit) fits_.fit(e);
-        if (fits_.refine())
-            for (const EdgeId e : to_fit) fits_.fit(e);
+        fits_.fit(to_fit);
+        if (fits_.refine()) fits_.fit(to_fit);
         for (const EdgeId e : to_fit) fits_.require_proof(e);
     }
 

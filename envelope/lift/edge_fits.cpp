@@ -6,15 +6,27 @@
 #include <utility>
 
 #include "conic_trim.hpp"
+#include "fit_all.hpp"
 #include "joined_spans.hpp"
 
 namespace vcell::radial {
 
 using Eigen::Vector4d;
 
-void EdgeFits::fit(EdgeId e) {
-    if (curves_.is_axial_conic(e)) return fit_axial_conic(e);
-    if (!curves_.is_spline(e)) return divide_conic(e);
+void EdgeFits::fit(const std::vector<EdgeId>& edges) {
+    std::vector<EdgeId> splines;
+    for (const EdgeId e : edges)
+        if (curves_.is_axial_conic(e))
+            fit_axial_conic(e);
+        else if (curves_.is_spline(e))
+            splines.push_back(e);
+        else
+            divide_conic(e);
+    fit_all(splines.size(), effort_, threads_,
+            [&](std::size_t i, FitEffort& effort) { fit_spline(splines[i], effort); });
+}
+
+void EdgeFits::fit_spline(EdgeId e, FitEffort& effort) {
     const RadialBaseProblem& problem = of_.problem;
     const MinimizationDiagram::Edge& edge = of_.diagram.edges[e];
     const RadialVertices& vertices = curves_.vertices();
@@ -34,7 +46,7 @@ void EdgeFits::fit(EdgeId e) {
             arc.twins = twins->turned(problem.chart.turn);
     }
     curves_.set_spline(e, [&](std::vector<SpaceSpan>& spans) {
-        return fit_space_spline(problem.chart, arc, tolerance_, spans, effort_);
+        return fit_space_spline(problem.chart, arc, tolerance_, spans, effort);
     });
 }
 

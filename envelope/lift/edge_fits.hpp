@@ -14,8 +14,9 @@ namespace vcell::radial {
 class EdgeFits {
 public:
     /// tolerance: length, of splines.
-    EdgeFits(const RadialDiagram& of, const FacePatches& patches, RadialCurves& curves, double tolerance)
-        : of_(of), patches_(patches), curves_(curves), tolerance_(tolerance) {}
+    EdgeFits(const RadialDiagram& of, const FacePatches& patches, RadialCurves& curves, double tolerance,
+             unsigned threads)
+        : of_(of), patches_(patches), curves_(curves), tolerance_(tolerance), threads_(threads) {}
 
     bool is_asked_for(EdgeId e) const {
         return !of_.is_bare(e) && (curves_.is_spline(e) || curves_.is_axial_conic(e) || is_beside_halves(e));
@@ -25,7 +26,7 @@ public:
     /// Lets so many more edges be fitted, each at the price of some spans.
     void grant(std::size_t edges) { effort_.spans += 500 * edges; }
 
-    void fit(EdgeId e);
+    void fit(const std::vector<EdgeId>& edges);
 
     /// The box says little of how far the cell reaches, which may be less than the tolerance: curves have to
     /// be four digits finer than that. What the curves themselves say of it serves, coarse as they are.
@@ -44,6 +45,7 @@ private:
     const SurfaceHalves* halves(EdgeId e, unsigned side) const {
         return patches_.halves(of_.diagram.face(e, side));
     }
+    void fit_spline(EdgeId e, FitEffort& effort);
     void fit_axial_conic(EdgeId e);
     void divide_conic(EdgeId e);
     std::vector<double> angles_along(EdgeId e) const;
@@ -52,6 +54,7 @@ private:
     const FacePatches& patches_;
     RadialCurves& curves_;
     double tolerance_;
+    const unsigned threads_;
     FitEffort effort_;
 };
 

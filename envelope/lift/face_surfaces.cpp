@@ -45,9 +45,8 @@ void FaceSurfaces::make() {
         to_fit = asked_for();
     }
     fits_.grant(to_fit.size());
-    for (const EdgeId e : to_fit) fits_.fit(e);
-    if (fits_.refine())
-        for (const EdgeId e : to_fit) fits_.fit(e);
+    fits_.fit(to_fit);
+    if (fits_.refine()) fits_.fit(to_fit);
     for (std::vector<FaceId> changed = made(all); !changed.empty();) {
         to_fit.clear();
         for (const FaceId face : changed)
@@ -55,7 +54,7 @@ void FaceSurfaces::make() {
                 if (fits_.is_asked_for(e)) to_fit.push_back(e);
             });
         sort_unique(to_fit);
-        for (const EdgeId e : to_fit) fits_.fit(e);
+        fits_.fit(to_fit);
         if (!problem_.chart.is_sphere() || patches_.has_cuts()) {
             changed = made(all);  // seams are numbered through
             continue;

@@ -98,7 +98,7 @@ public:
           threads_(threads),
           circular_(of, threads),
           loops_(of.diagram, true),
-          mixed_(of.problem, of.diagram, loops_, tolerance),
+          mixed_(of.problem, of.diagram, loops_, tolerance, threads),
           origin_(of.problem.frame.origin.norm()),
           roundings_(of.diagram.dcel.face_count(), 0),
           highest_(range_count(of.diagram.edges.size())) {}

@@ -52,7 +52,7 @@ LiftedCell lift_over_region(const PlaneBaseProblem& problem, const MinimizationD
 ///
 /// With a floor (RadialBaseProblem::floor) of faces that the problem shows only: edges beside none of them
 /// have no curve, and vertices of such edges alone no place. Measures are those of the faces, and the volume
-/// that between them and the axis. The cell is the same for any number of threads, which do all but fits.
+/// that between them and the axis. The cell is the same for any number of threads.
 /// Pre: diagram is the lower envelope of problem.family over the whole base; tolerance > 0.
 LiftedCell lift_all_around(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                            double tolerance, bool with_measures, unsigned threads = 1);

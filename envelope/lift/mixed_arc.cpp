@@ -12,6 +12,7 @@
 #include "conic_error.hpp"
 #include "conic_trim.hpp"
 #include "edge_trims.hpp"
+#include "fit_all.hpp"
 
 namespace vcell {
 
@@ -156,7 +157,7 @@ private:
 }  // namespace
 
 MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram,
-                     const FaceLoops& loops, double tolerance)
+                     const FaceLoops& loops, double tolerance, unsigned threads)
     : diagram_(diagram) {
     if (diagram.cylinders.empty()) return;
     add_frames(problem, loops);
@@ -166,8 +167,10 @@ MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram&
     kinds_.resize(diagram.edges.size(), CurveKind::Spline);
     errors_.resize(diagram.edges.size());
     curves_.emplace(diagram_, kinds_, points_, true);
+    std::vector<EdgeId> splines;
     for (const EdgeId e : diagram.edges.ids())
-        if (contains(e) && !add_section(problem, e)) add_spline(problem, e, tolerance);
+        if (contains(e) && !add_section(problem, e)) splines.push_back(e);
+    add_splines(problem, splines, tolerance, threads);
 }
 
 // About the mean of points around each face, which lies in the region with them.
@@ -317,7 +320,23 @@ SpaceSite MixedArcs::space_site_beside(const PlaneBaseProblem& problem, EdgeId e
             {{.patch = frame.coordinates()}}};
 }
 
-void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance) {
+void MixedArcs::add_splines(const PlaneBaseProblem& problem, const std::vector<EdgeId>& edges,
+                            double tolerance, unsigned threads) {
+    constexpr std::size_t most_of_edge = 500;
+    FitEffort effort;
+    effort.spans += most_of_edge * edges.size();
+    fit_all(edges.size(), effort, threads,
+            [&](std::size_t i, FitEffort& own) { fit_spline(problem, edges[i], tolerance, own); });
+    for (const EdgeId e : edges) {
+        const SpaceFitError& error = curves_->fit_error(e);
+        if (error.unproved)
+            throw PlaneDiagram{problem, diagram_}.unproved(e, "no curve is proved to be the one between them",
+                                                           problem.frame.to_world(*error.unproved));
+        set_error(e, error.curve, error.trims);
+    }
+}
+
+void MixedArcs::fit_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance, FitEffort& effort) {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
     const auto end = [&](VertexId v) -> std::optional<SpaceEnd> {
         if (!v.valid()) return std::nullopt;
@@ -333,16 +352,9 @@ void MixedArcs::add_spline(const PlaneBaseProblem& problem, EdgeId e, double tol
                        false,
                        twin_quadric(problem.family, edge.right, edge.left),
                        sides[0] == 1};
-    constexpr std::size_t most_of_edge = 500;
-    effort_.spans += most_of_edge;
     curves_->set_spline(e, [&](std::vector<SpaceSpan>& spans) {
-        return fit_space_spline(BaseChart(), arc, tolerance, spans, effort_);
+        return fit_space_spline(BaseChart(), arc, tolerance, spans, effort);
     });
-    const SpaceFitError& error = curves_->fit_error(e);
-    if (error.unproved)
-        throw PlaneDiagram{problem, diagram_}.unproved(e, "no curve is proved to be the one between them",
-                                                       problem.frame.to_world(*error.unproved));
-    set_error(e, error.curve, error.trims);
 }
 
 void MixedArcs::set_curve(EdgeId e, const BaseFrame& frame, RationalCurve3& curve, Range& heights) const {

@@ -46,7 +46,7 @@ public:
     /// tolerance: length, the largest distance of a fitted arc from the true one. Throws UndecidedError, with
     /// sites and place, where no curve is proved to be the arc.
     MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram& diagram, const FaceLoops& loops,
-              double tolerance);
+              double tolerance, unsigned threads);
     MixedArcs(const MixedArcs&) = delete;
     MixedArcs& operator=(const MixedArcs&) = delete;
 
@@ -82,10 +82,11 @@ private:
     double end_error(EdgeId e) const;
     void set_error(EdgeId e, double curve, double trims);
     SpaceSite space_site_beside(const PlaneBaseProblem& problem, EdgeId e, FormId f, unsigned side) const;
-    void add_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance);
+    void add_splines(const PlaneBaseProblem& problem, const std::vector<EdgeId>& edges, double tolerance,
+                     unsigned threads);
+    void fit_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance, FitEffort& effort);
 
     const MinimizationDiagram& diagram_;
-    FitEffort effort_;
     IdVector<FaceId, CylinderFrame> frames_;
     IdVector<EdgeId, CurveKind> kinds_;
     IdVector<VertexId, Eigen::Vector4d> points_;

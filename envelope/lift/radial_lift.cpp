@@ -30,7 +30,7 @@ public:
           threads_(threads),
           loops_(of.diagram),
           patches_(of, loops_, curves_, threads),
-          fits_(of, patches_, curves_, tolerance),
+          fits_(of, patches_, curves_, tolerance, threads),
           surfaces_(of, loops_, patches_, curves_, fits_, threads),
           errors_(of, equations_, curves_, patches_) {
         surfaces_.make();

@@ -14,17 +14,22 @@ Competition::Competition(const FormFamily& family, double extent, const Envelope
     if (family.compared_over().is_sphere()) supports_.emplace(family);
 }
 
-// A point of the rim may be met from its side and from inside: it is listed once.
+// A point of the rim may be met from its side and from inside.
+bool list(Assumption assumption, std::vector<Assumption>& known) {
+    const auto& [place, width, forms] = assumption;
+    for (Assumption& k : known) {
+        const double same = k.width + width + 4 * std::numeric_limits<double>::epsilon() * place.norm();
+        if (k.forms != forms || (k.place - place).norm() > same) continue;
+        k.width = std::max(k.width, width);
+        return false;
+    }
+    known.push_back(std::move(assumption));
+    return true;
+}
+
 void Competition::assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms) {
     std::ranges::sort(forms);
-    for (Assumption& known : assumptions_) {
-        const double same = known.width + width + 4 * std::numeric_limits<double>::epsilon() * place.norm();
-        if (known.forms != forms || (known.place - place).norm() > same) continue;
-        known.width = std::max(known.width, width);
-        return;
-    }
-    ++decisions_.assumed;
-    assumptions_.push_back({place, width, std::move(forms)});
+    if (list({place, width, std::move(forms)}, assumptions_)) ++decisions_.assumed;
 }
 
 SupportRivals Competition::lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const {

@@ -44,6 +44,9 @@ struct SupportRival {
 };
 using SupportRivals = SmallVector<SupportRival, usual_rivals>;
 
+/// Lists a coincidence that is taken for granted, once: false where it is known.
+bool list(Assumption assumption, std::vector<Assumption>& known);
+
 class Competition {
 public:
     Competition(const FormFamily& family, double extent, const EnvelopeOptions& options = {});
@@ -53,6 +56,7 @@ public:
     /// Over a sphere; else null.
     const SphereSupports* supports() const { return supports_ ? &*supports_ : nullptr; }
     Decisions& decisions() { return decisions_; }
+    const Decisions& decisions() const { return decisions_; }
     std::vector<Assumption>& assumptions() { return assumptions_; }
     double extent() const { return extent_; }
 

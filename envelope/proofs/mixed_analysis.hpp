@@ -11,11 +11,9 @@ struct PieceWork;
 
 class MixedAnalysis {
 public:
-    MixedAnalysis(const FormFamily& family, double extent, const EnvelopeOptions& options = {})
-        : all_(family, extent, options), rivals_(all_), sides_(all_) {}
+    explicit MixedAnalysis(Competition& all) : all_(all), rivals_(all), sides_(all) {}
     MixedAnalysis(const MixedAnalysis&) = delete;
 
-    Competition& competition() { return all_; }
     BoxRivals& rivals() { return rivals_; }
     const BoxRivals& rivals() const { return rivals_; }
     SideLabelling& sides() { return sides_; }
@@ -33,7 +31,7 @@ private:
     bool join_small(PieceWork& work);
     void join_at_center(PieceWork& work);
 
-    Competition all_;
+    Competition& all_;
     BoxRivals rivals_;
     SideLabelling sides_;
     std::vector<FormId> remaining_;

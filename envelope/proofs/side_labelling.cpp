@@ -110,7 +110,7 @@ bool SideLabelling::is_spent() const {
     constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 150000,
                           stretches_of_form = 5000;
     const std::size_t forms = heights_.family().size();
-    return heights_.wide_evaluations() > most_wide + wide_of_form * forms ||
+    return heights_.wide_evaluations() - wide_before_ > most_wide + wide_of_form * forms ||
            stretches_ > most_stretches + stretches_of_form * forms;
 }
 

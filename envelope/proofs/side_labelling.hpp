@@ -14,7 +14,11 @@ namespace vcell {
 
 class SideLabelling : CompetitionArgument {
 public:
-    explicit SideLabelling(Competition& all) : CompetitionArgument(all), crossings_(all), roots_(all) {}
+    explicit SideLabelling(Competition& all)
+        : CompetitionArgument(all),
+          crossings_(all),
+          roots_(all),
+          wide_before_(all.heights().wide_evaluations()) {}
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
@@ -58,7 +62,8 @@ private:
     SideRoots roots_;
     std::optional<Assumption> obstacle_;
     std::size_t stretches_ = 0;         // that sides were divided into
-    std::size_t wide_before_side_ = 0;  // evaluations with many digits before the side in work
+    const std::size_t wide_before_;     // evaluations with many digits before the first side
+    std::size_t wide_before_side_ = 0;  // and before the side in work
 };
 
 }  // namespace vcell

@@ -8,9 +8,7 @@
 // which many meet in one vertex, so that they cannot be culled, is halved and merged by overlay, which keeps
 // the worst case at O(n log n) overlays of what is there.
 //
-// Where a cylinder competes the pieces are split until they are plain (mixed_piece.hpp); the labels along
-// their sides are found once, when the side is made, so that the pieces beside a seam cannot disagree. Pieces
-// without a competing cylinder are left to exact merging.
+// Where a cylinder competes pieces are split until enclosures decide them (mixed_recursion.hpp).
 //
 // Circular forms over a plane are linear on the sphere, too (../sphere); but there faces have to be discs and
 // each form's only one, and over a plane some forms have two faces, or are islands in those of others.
@@ -22,10 +20,10 @@
 #include "../../core/errors.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
-#include "../proofs/mixed_analysis.hpp"
 #include "../sphere/sphere_diagram.hpp"
 #include "chart_reach.hpp"
 #include "circular_recursion.hpp"
+#include "mixed_recursion.hpp"
 #include "pieces.hpp"
 
 namespace vcell {
@@ -33,29 +31,12 @@ namespace vcell {
 namespace {
 
 constexpr PieceSizes region_sizes{64, 16}, sphere_sizes{32, 4};
-// Pieces with more competitors than this are not plain: looking closer is a waste.
-constexpr std::size_t most_competitors = 6, most_around_cylinder = 4;
-// More that tie in a point are seen to where pieces are so small that nothing else is left in them.
-constexpr std::size_t most_tied = 8;
-// A tube's circumference is cut into such parts of it as long as there are more competitors than this.
-constexpr std::size_t most_around = 32;
-constexpr double part_around = 0.075;
-// Where differences of three competitors or more change so much more along one axis pieces are cut across
-// that, unless they are too slender.
-constexpr double much_steeper = 4, most_slender = 0x1p16;
-// A vertex needs some hundred pieces below this part of the region at worst, and a form has two vertices on
-// average. Many more of them in all, or within one piece of that size, follow a curve along which forms tie
-// without crossing: no number of pieces decides that.
-constexpr double small_part = 0x1p-16;
-constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 200;
-// Pieces of any size are split fewer than 50 times to a form usually, 200 times where few forms have much to
-// do with each other, 80,000 times in all along a line that hardly leaves a plane; forms that all but
-// coincide want it as often as the square of the region's size over their distance.
-constexpr std::size_t most_splits = 80000, splits_of_form = 250;
+constexpr std::size_t most_in_region = 6, most_around_cylinder = 4;
+
 class EnvelopeBuilder {
 public:
     EnvelopeBuilder(const FormFamily& family, const ConvexRegion& region, const EnvelopeOptions& options,
-                    PieceSizes sizes = region_sizes)
+                    PieceSizes sizes = region_sizes, std::size_t most_competitors = most_in_region)
         : family_(family),
           region_(region),
           options_(options),
@@ -63,8 +44,7 @@ public:
           patchwork_(family, family.forms.size()),
           circular_(family, options, sizes, progress_, patchwork_),
           root_(make_piece(sides_of(region))),
-          analysis_(family, extent(root_.rect), options),
-          cutter_(family) {}
+          mixed_(family, options, root_.rect, most_competitors, progress_, circular_, patchwork_) {}
 
     MinimizationDiagram over_region() {
         solve_all(root_, 1.0);
@@ -82,42 +62,39 @@ public:
     // The region is [-1, 3] x [y0, y1] of half-angle coordinates; both halves are smooth pieces, and together
     // they close. The seams are labelled once.
     MinimizationDiagram once_around() {
-        most_competitors_ = most_around_cylinder;
         const double circumference = family_.chart.circumference();
         const double y0 = root_.rect.y0, y1 = root_.rect.y1;
         const std::uint32_t middle = patchwork_.new_seam(), left = patchwork_.new_seam(),
                             right = patchwork_.new_seam();
         const PieceSide bottom{0, 1, -y0, 0}, top{0, -1, y1, 2};
-        LabelledPiece front = label(make_piece({bottom, {-1, 0, 1, middle}, top, {1, 0, 1, left}})),
-                      back = label(make_piece({bottom, {-1, 0, 3, right}, top, {1, 0, -1, middle}}));
+        LabelledPiece front = mixed_.label(make_piece({bottom, {-1, 0, 1, middle}, top, {1, 0, 1, left}})),
+                      back = mixed_.label(make_piece({bottom, {-1, 0, 3, right}, top, {1, 0, -1, middle}}));
         back.labels[3] = front.labels[1].reversed();
         back.labels[1] = front.labels[3].reversed();
         for (RimTransition& t : back.labels[1].transitions) t.point.x() += circumference;
-        const Patchwork::Index all = patchwork_.glue(solve_labelled(front, with_floor(), 0.5),
-                                                     solve_labelled(back, with_floor(), 0.5), middle);
+        const Patchwork::Index second = mixed_.solve(std::move(back), 0.5),
+                               first = mixed_.solve(std::move(front), 0.5),
+                               all = patchwork_.glue(first, second, middle);
         patchwork_.close(all, right, left, circumference, top.id);
         return finish();
     }
 
 private:
-    std::vector<FormId> with_floor() const {
-        std::vector<FormId> all(family_.size());
-        for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = FormId{i};
-        return all;
-    }
-    std::vector<FormId> without_floor(std::vector<FormId> forms) const {
-        std::erase_if(forms,
-                      [&](FormId f) { return std::ranges::find(options_.floor, f) != options_.floor.end(); });
+    std::vector<FormId> without_floor() const {
+        std::vector<FormId> forms;
+        for (std::uint32_t i = 0; i < family_.size(); ++i)
+            if (std::ranges::find(options_.floor, FormId{i}) == options_.floor.end())
+                forms.push_back(FormId{i});
         return forms;
     }
 
     Patchwork::Index solve_all(const RegionPiece& piece, double share) {
-        if (family_.is_all_circular()) return circular_.solve(piece, without_floor(with_floor()), share);
-        return solve_labelled(label(piece), with_floor(), share);
+        if (family_.is_all_circular()) return circular_.solve(piece, without_floor(), share);
+        return mixed_.solve(mixed_.label(piece), share);
     }
 
     MinimizationDiagram finish() {
-        MinimizationDiagram result = patchwork_.finish(analysis_.competition().heights());
+        MinimizationDiagram result = patchwork_.finish(mixed_.heights());
         result.region = region_;
         result.floor = options_.floor;
         result.is_below_floor = options_.is_below_floor;
@@ -125,10 +102,10 @@ private:
             if (!edge.on_rim() && result.has_lower_across(edge.left, edge.right))
                 std::swap(edge.left, edge.right);
         result.decisions = circular_.decisions();
-        result.decisions += analysis_.competition().decisions();
+        result.decisions += mixed_.decisions();
         result.work = circular_.effort();
-        result.work.pieces = resolved_;
-        result.assumptions = std::move(analysis_.competition().assumptions());
+        result.work.pieces = mixed_.pieces();
+        result.assumptions = std::move(mixed_.assumptions());
         return result;
     }
 
@@ -139,136 +116,6 @@ private:
         return sides;
     }
 
-    // --- Pieces in which cylinders compete. ---------------------------------------------------------------
-
-    LabelledPiece label(const RegionPiece& piece) {
-        const Rectangle& r = piece.rect;
-        const std::vector<FormId> candidates =
-            analysis_.rivals().cull({r.x0, r.x1, r.y0, r.y1}, with_floor());
-        const std::size_t n = piece.sides.size();
-        LabelledPiece out{piece, {}, {}};
-        std::vector<FormId> first(n), last(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::size_t before = (i + n - 1) % n;
-            std::vector<FormId> ties =
-                analysis_.sides().lowest_at(piece.sides[before], piece.sides[i], candidates);
-            first[i] = last[before] = ties.front();
-            if (ties.size() == 1) {
-                ties.clear();
-            } else {
-                first[i] = analysis_.sides().label_beside(piece.sides[i], piece.corners[i],
-                                                          piece.corners[(i + 1) % n], ties);
-                last[before] = analysis_.sides().label_beside(piece.sides[before], piece.corners[i],
-                                                              piece.corners[before], ties);
-            }
-            out.corner_ties.push_back(std::move(ties));
-        }
-        for (std::size_t i = 0; i < n; ++i) {
-            auto labels = analysis_.sides().label_side(piece.sides[i], piece.corners[i],
-                                                       piece.corners[(i + 1) % n], first[i], last[i],
-                                                       candidates, Patchwork::is_seam(piece.sides[i].id));
-            if (!labels) throw TieError(analysis_.sides().obstacle().value_or(all_of(r, candidates)));
-            out.labels.push_back(*std::move(labels));
-        }
-        return out;
-    }
-
-    Patchwork::Index solve_labelled(const LabelledPiece& part, std::span<const FormId> inherited,
-                                    double share) {
-        const Rectangle& r = part.piece.rect;
-        std::vector<FormId> candidates = analysis_.rivals().cull({r.x0, r.x1, r.y0, r.y1}, inherited);
-        if (std::ranges::all_of(candidates, [&](FormId f) { return family_.is_circular(f); }))
-            // Of the floor alone there is nothing to merge: it stays one of the pieces that follow.
-            if (const std::vector<FormId> others = without_floor(candidates); !others.empty())
-                return circular_.solve(part.piece, others, share);
-        const double size = extent(r) / analysis_.competition().extent_at({r.x0, r.x1}, {r.y0, r.y1});
-        const bool at_floor = size <= floor_width,
-                   is_small = extent(r) <=
-                              tie_width * analysis_.competition().tie_extent_at({r.x0, r.x1}, {r.y0, r.y1});
-        if (candidates.size() <= most_competitors_ || (is_small && candidates.size() <= most_tied) ||
-            size <= node_width) {
-            if (const auto resolved = analysis_.resolve(
-                    {part.piece.sides, part.piece.corners, part.labels, part.corner_ties})) {
-                progress_.add(share);
-                ++resolved_;
-                return patchwork_.add(*resolved);
-            }
-            candidates = analysis_.remaining();
-        }
-        if (size >= small_part) {
-            small_pieces_in_place_ = 0;  // those of the places before are done
-        } else {
-            ++small_pieces_;
-            ++small_pieces_in_place_;
-        }
-        splits_ += analysis_.competition().heights().cost();
-        if (at_floor || splits_ > most_splits + splits_of_form * family_.size() ||
-            analysis_.sides().is_spent() || small_pieces_ > small_pieces_of_form * family_.size() ||
-            small_pieces_in_place_ > most_small_pieces_in_place)
-            throw TieError(all_of(r, candidates));
-        const auto halves = split_labelled(part, candidates);
-        if (!halves) throw TieError(analysis_.sides().obstacle().value_or(all_of(r, candidates)));
-        const Patchwork::Index a = solve_labelled(halves->first, candidates, 0.5 * share);
-        const Patchwork::Index b = solve_labelled(halves->second, candidates, 0.5 * share);
-        return patchwork_.glue(a, b, halves->seam);
-    }
-
-    static Assumption all_of(const Rectangle& r, std::vector<FormId> forms) {
-        std::ranges::sort(forms);
-        return {{0.5 * r.x0 + 0.5 * r.x1, 0.5 * r.y0 + 0.5 * r.y1}, extent(r), std::move(forms)};
-    }
-
-    struct LabelledHalves {
-        LabelledPiece first, second;
-        std::uint32_t seam;
-    };
-
-    // Which way to cut other than across the longer side. Beside a tip no one metric suits all differences,
-    // and where they change along one axis only, as between tubes along a tube, pieces are to be as long as
-    // these. Seen from half of a tube's circumference no object is nearest all around: none is culled.
-    std::optional<bool> cut_upright(const Rectangle& r, std::size_t candidates) const {
-        if (candidates > most_around && r.x1 - r.x0 > part_around * family_.chart.circumference())
-            return true;
-        // No one metric suits tubes that are all but parallel to the base.
-        constexpr double strip_part = 0x1p-4;
-        if (family_.chart.is_cylinder() && extent(r) < strip_part * extent(root_.rect))
-            if (const auto upright = analysis_.rivals().asks_for_strips({r.x0, r.x1, r.y0, r.y1}))
-                return upright;
-        const auto steepness = analysis_.rivals().steepness_across(r.x1 - r.x0, r.y1 - r.y0);
-        if (!steepness) return std::nullopt;
-        if (family_.tips.any()) return *steepness >= 1;
-        const double x = r.x1 - r.x0, y = r.y1 - r.y0;
-        if (candidates < 3 || std::max(x, y) > most_slender * std::min(x, y)) return std::nullopt;
-        if (*steepness >= much_steeper) return true;
-        if (*steepness * much_steeper <= 1) return false;
-        return std::nullopt;
-    }
-
-    std::optional<LabelledHalves> split_labelled(const LabelledPiece& part,
-                                                 const std::vector<FormId>& candidates) {
-        const auto upright = cut_upright(part.piece.rect, candidates.size());
-        for (const double shift : {0.0, 0.03, -0.03, 0.07, -0.07, 0.11, -0.11, 0.17, -0.17}) {
-            const auto cut = cutter_.cut_at(part.piece, shift, upright);
-            if (!cut) continue;
-            auto halves = PieceCutter::labelled_halves(part, *cut);
-            if (!halves) continue;
-            auto& [first, second, in_first, in_second, at_leaving, at_returning] = *halves;
-            const std::uint32_t seam = patchwork_.new_seam();
-            first.piece.sides[in_first].id = second.piece.sides[in_second].id = seam;
-            auto labels =
-                analysis_.sides().label_side(first.piece.sides[in_first], first.piece.corners[in_first],
-                                             first.piece.corners[(in_first + 1) % first.piece.corners.size()],
-                                             at_leaving, at_returning, candidates, true);
-            if (!labels) continue;
-            second.labels[in_second] = labels->reversed();
-            first.labels[in_first] = *std::move(labels);
-            // The first piece is to lie left of the upright seam; a level one is turned by a right angle.
-            if (!cut->upright) std::swap(first, second);
-            return LabelledHalves{std::move(first), std::move(second), seam};
-        }
-        return std::nullopt;
-    }
-
     const FormFamily& family_;
     const ConvexRegion& region_;
     const EnvelopeOptions& options_;
@@ -276,10 +123,7 @@ private:
     Patchwork patchwork_;
     CircularRecursion circular_;
     const RegionPiece root_;
-    MixedAnalysis analysis_;
-    PieceCutter cutter_;
-    std::size_t most_competitors_ = most_competitors;
-    std::size_t resolved_ = 0, splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
+    MixedRecursion mixed_;
 };
 
 }  // namespace
@@ -383,7 +227,8 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
     };
     MinimizationDiagram out = [&] {
         try {
-            return EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options)
+            return EnvelopeBuilder(scaled, ConvexRegion::rectangle(-1, y0 / unit, 3, y1 / unit), options,
+                                   region_sizes, most_around_cylinder)
                 .once_around();
         } catch (const TieError& e) {
             Assumption tie = e.tie;

@@ -1,0 +1,76 @@
+/// The recursion where others than circular forms compete. The region is split until pieces are plain
+/// (../proofs/mixed_piece.hpp); what is lowest along a side is found once, when the side is made, so that the
+/// pieces beside a seam cannot disagree. Pieces in which circular forms compete alone are left to exact
+/// merging.
+///
+/// Down to blocks the pieces of one generation are split side by side, and blocks are solved on any thread.
+/// They leave what the patchwork is to take and to glue, in the order in which one thread would have done so.
+/// Which blocks there are depends on the forms alone, and none knows of another, so the diagram is the same
+/// for any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "../../core/threads.hpp"
+#include "../diagram/minimization_diagram.hpp"
+#include "../diagram/patchwork.hpp"
+#include "../proofs/competition.hpp"
+#include "circular_recursion.hpp"
+#include "pieces.hpp"
+
+namespace vcell {
+
+class MixedRecursion {
+public:
+    /// Everything must outlive this object. Pieces with more than `most_competitors` are not plain: looking
+    /// closer is a waste. Pre: `root` is the region.
+    MixedRecursion(const FormFamily& family, const EnvelopeOptions& options, const Rectangle& root,
+                   std::size_t most_competitors, SharedProgress& progress, CircularRecursion& circular,
+                   Patchwork& patchwork);
+    MixedRecursion(const MixedRecursion&) = delete;
+    MixedRecursion& operator=(const MixedRecursion&) = delete;
+    ~MixedRecursion();
+
+    /// Finds what is lowest along the sides of a piece of the region. Throws TieError.
+    LabelledPiece label(const RegionPiece& piece);
+    /// Adds the diagram of all forms over a piece to the patchwork; returns its handle there. Of all the work
+    /// this is `share`. Throws TieError.
+    Patchwork::Index solve(LabelledPiece piece, double share);
+
+    const Heights& heights() const;
+    /// So far.
+    Decisions decisions() const;
+    std::vector<Assumption>& assumptions() { return assumptions_; }
+    std::size_t pieces() const { return pieces_; }
+
+private:
+    struct Circular;
+    struct Seam;
+    struct Steps;
+    struct Node;
+    struct Block;
+    class Solver;
+    class Solvers;
+
+    std::vector<Node> split(LabelledPiece piece, double share);
+    static void collect(std::vector<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks);
+    void take(Steps steps, std::vector<Patchwork::Index>& handles);
+    void assume(std::vector<Assumption> assumptions);
+
+    const FormFamily& family_;
+    const EnvelopeOptions& options_;
+    const Rectangle root_;
+    const std::size_t most_competitors_;
+    SharedProgress& progress_;
+    CircularRecursion& circular_;
+    Patchwork& patchwork_;
+    const PieceCutter cutter_;
+    const std::unique_ptr<Solvers> solvers_;
+    std::vector<Assumption> assumptions_;
+    std::size_t assumed_ = 0, pieces_ = 0;
+};
+
+}  // namespace vcell
