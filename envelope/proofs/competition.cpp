@@ -15,7 +15,7 @@ Competition::Competition(const FormFamily& family, double extent, const Envelope
 }
 
 // A point of the rim may be met from its side and from inside.
-bool list(Assumption assumption, std::vector<Assumption>& known) {
+bool add_assumption(Assumption assumption, std::vector<Assumption>& known) {
     const auto& [place, width, forms] = assumption;
     for (Assumption& k : known) {
         const double same = k.width + width + 4 * std::numeric_limits<double>::epsilon() * place.norm();
@@ -29,7 +29,7 @@ bool list(Assumption assumption, std::vector<Assumption>& known) {
 
 void Competition::assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms) {
     std::ranges::sort(forms);
-    if (list({place, width, std::move(forms)}, assumptions_)) ++decisions_.assumed;
+    if (add_assumption({place, width, std::move(forms)}, assumptions_)) ++decisions_.assumed;
 }
 
 SupportRivals Competition::lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const {

@@ -45,7 +45,7 @@ struct SupportRival {
 using SupportRivals = SmallVector<SupportRival, usual_rivals>;
 
 /// Lists a coincidence that is taken for granted, once: false where it is known.
-bool list(Assumption assumption, std::vector<Assumption>& known);
+bool add_assumption(Assumption assumption, std::vector<Assumption>& known);
 
 class Competition {
 public:

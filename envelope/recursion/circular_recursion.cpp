@@ -1,7 +1,6 @@
 #include "circular_recursion.hpp"
 
 #include <array>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -105,42 +104,6 @@ private:
     PieceMerger& merger_;
 };
 
-// Mergers keep their memory from block to block: as many as there are blocks at a time.
-class CircularRecursion::Mergers {
-public:
-    explicit Mergers(const CircularRecursion& all) : all_(all) {}
-
-    /// work(merger), with one that nobody else has for the time.
-    template <class Work>
-    auto with_one(Work&& work) {
-        PieceMerger& merger = take();
-        auto result = work(merger);
-        const std::lock_guard lock(mutex_);
-        free_.push_back(&merger);
-        return result;
-    }
-    /// Pre: none is taken.
-    template <class Visit>
-    void for_each(Visit&& visit) const {
-        for (const auto& merger : mergers_) visit(*merger);
-    }
-
-private:
-    PieceMerger& take() {
-        const std::lock_guard lock(mutex_);
-        if (free_.empty())
-            return *mergers_.emplace_back(std::make_unique<PieceMerger>(all_.family_, all_.options_));
-        PieceMerger* const merger = free_.back();
-        free_.pop_back();
-        return *merger;
-    }
-
-    const CircularRecursion& all_;
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<PieceMerger>> mergers_;
-    std::vector<PieceMerger*> free_;
-};
-
 // A block's own patchwork.
 struct CircularRecursion::Solved {
     Patchwork patchwork;
@@ -155,18 +118,18 @@ CircularRecursion::CircularRecursion(const FormFamily& family, const EnvelopeOpt
       progress_(progress),
       patchwork_(patchwork),
       cutter_(family),
-      mergers_(std::make_unique<Mergers>(*this)) {}
+      mergers_([this] { return std::make_unique<PieceMerger>(family_, options_); }) {}
 CircularRecursion::~CircularRecursion() = default;
 
 Decisions CircularRecursion::decisions() const {
     Decisions sum;
-    mergers_->for_each([&](const PieceMerger& m) { sum += m.decisions(); });
+    mergers_.for_each([&](const PieceMerger& m) { sum += m.decisions(); });
     return sum;
 }
 
 EnvelopeWork CircularRecursion::effort() const {
     EnvelopeWork sum;
-    mergers_->for_each([&](const PieceMerger& m) { sum += m.effort(); });
+    mergers_.for_each([&](const PieceMerger& m) { sum += m.effort(); });
     return sum;
 }
 
@@ -175,7 +138,7 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
     const CompetingForms forms(family_, candidates);
     const std::vector<Item>& all = forms.all();
     if (candidates.size() <= forms_of_block) {
-        return mergers_->with_one([&](PieceMerger& merger) {
+        return mergers_.with_one([&](PieceMerger& merger) {
             CompetingForms::Culling cull(forms);
             return Solver(*this, merger, patchwork_).solve_culled(piece, cull, all, share, 0);
         });
@@ -187,7 +150,7 @@ Patchwork::Index CircularRecursion::solve(const RegionPiece& piece, std::span<co
     const auto solve_block = [&](std::size_t i) {
         Node& node = nodes[blocks[i].node];
         const std::vector<Item> own = std::move(node.items);
-        return mergers_->with_one([&](PieceMerger& merger) {
+        return mergers_.with_one([&](PieceMerger& merger) {
             Solved solved{Patchwork(family_, forms.count(own)), Patchwork::none};
             solved.patchwork.leave_seams_to(patchwork_);
             CompetingForms::Culling cull(forms);

@@ -9,11 +9,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "../../core/threads.hpp"
+#include "../../core/worker_pool.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
 #include "competing_forms.hpp"
@@ -27,6 +27,8 @@ struct PieceSizes {
     std::size_t most;        ///< candidates that are merged without splitting further
     std::size_t quartering;  ///< more of them are culled in quarters before
 };
+
+class PieceMerger;
 
 class CircularRecursion {
 public:
@@ -66,7 +68,6 @@ private:
     };
     struct Solved;
     class Solver;
-    class Mergers;
 
     // Which of the items, or parts of them, may be lowest in a piece. Returns how often in a row, this time
     // included, that hardly left out any form.
@@ -82,7 +83,7 @@ private:
     SharedProgress& progress_;
     Patchwork& patchwork_;
     const PieceCutter cutter_;
-    const std::unique_ptr<Mergers> mergers_;
+    WorkerPool<PieceMerger> mergers_;
 };
 
 }  // namespace vcell

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -243,44 +242,6 @@ private:
     std::size_t splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
 };
 
-// Solvers keep what they have prepared of the forms from block to block: as many as there are blocks at a
-// time, and the first one from the beginning.
-class MixedRecursion::Solvers {
-public:
-    explicit Solvers(const MixedRecursion& all) : all_(all) { free_.push_back(&add()); }
-
-    /// work(solver), with one that nobody else has for the time.
-    template <class Work>
-    void with_one(Work&& work) {
-        Solver& solver = take();
-        work(solver);
-        const std::lock_guard lock(mutex_);
-        free_.push_back(&solver);
-    }
-    /// Pre: none is taken.
-    const Solver& first() const { return *solvers_.front(); }
-    Decisions decisions() const {
-        Decisions sum;
-        for (const auto& solver : solvers_) sum += solver->decisions();
-        return sum;
-    }
-
-private:
-    Solver& add() { return *solvers_.emplace_back(std::make_unique<Solver>(all_)); }
-    Solver& take() {
-        const std::lock_guard lock(mutex_);
-        if (free_.empty()) return add();
-        Solver* const solver = free_.back();
-        free_.pop_back();
-        return *solver;
-    }
-
-    const MixedRecursion& all_;
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<Solver>> solvers_;
-    std::vector<Solver*> free_;
-};
-
 // ---- All threads -------------------------------------------------------------------------------------
 
 // A piece of the region in the tree of those that have been halved.
@@ -313,13 +274,16 @@ MixedRecursion::MixedRecursion(const FormFamily& family, const EnvelopeOptions& 
       circular_(circular),
       patchwork_(patchwork),
       cutter_(family),
-      solvers_(std::make_unique<Solvers>(*this)) {}
+      solvers_([this] { return std::make_unique<Solver>(*this); }) {}
 MixedRecursion::~MixedRecursion() = default;
 
-const Heights& MixedRecursion::heights() const { return solvers_->first().competition().heights(); }
+const Heights& MixedRecursion::heights() {
+    return solvers_.with_one([](Solver& s) -> const Heights& { return s.competition().heights(); });
+}
 
 Decisions MixedRecursion::decisions() const {
-    Decisions sum = solvers_->decisions();
+    Decisions sum;
+    solvers_.for_each([&](const Solver& solver) { sum += solver.decisions(); });
     sum.assumed = assumptions_.size();
     return sum;
 }
@@ -327,7 +291,7 @@ Decisions MixedRecursion::decisions() const {
 LabelledPiece MixedRecursion::label(const RegionPiece& piece) {
     LabelledPiece labelled;
     Steps steps;
-    solvers_->with_one([&](Solver& solver) { labelled = solver.label(piece, steps); });
+    solvers_.with_one([&](Solver& solver) { labelled = solver.label(piece, steps); });
     assume(std::move(steps.assumptions));
     return labelled;
 }
@@ -341,7 +305,7 @@ Patchwork::Index MixedRecursion::solve(LabelledPiece piece, double share) {
     const auto solve_block = [&](std::size_t i) {
         Node& node = *blocks[i].node;
         if (node.is_open)
-            solvers_->with_one([&](Solver& solver) {
+            solvers_.with_one([&](Solver& solver) {
                 solver.solve(node.piece, std::move(node.candidates), node.depth, node.share, node.steps);
             });
         return std::move(node.steps);
@@ -371,7 +335,7 @@ std::vector<MixedRecursion::Node> MixedRecursion::split(LabelledPiece piece, dou
         progress_.cancellable([&] {
             for_all(end - begin, are_many ? thread_count(options_.threads) : 1, [&](std::size_t i) {
                 Node& node = nodes[begin + i];
-                solvers_->with_one([&](Solver& solver) {
+                solvers_.with_one([&](Solver& solver) {
                     node.halves =
                         solver.look_at(node.piece, node.candidates, node.depth, node.share, node.steps);
                 });
@@ -419,7 +383,7 @@ void MixedRecursion::take(Steps steps, std::vector<Patchwork::Index>& handles) {
 }
 
 void MixedRecursion::assume(std::vector<Assumption> assumptions) {
-    for (Assumption& a : assumptions) list(std::move(a), assumptions_);
+    for (Assumption& a : assumptions) add_assumption(std::move(a), assumptions_);
 }
 
 }  // namespace vcell

@@ -10,11 +10,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "../../core/threads.hpp"
+#include "../../core/worker_pool.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
 #include "../proofs/competition.hpp"
@@ -40,7 +40,7 @@ public:
     /// this is `share`. Throws TieError.
     Patchwork::Index solve(LabelledPiece piece, double share);
 
-    const Heights& heights() const;
+    const Heights& heights();
     /// So far.
     Decisions decisions() const;
     std::vector<Assumption>& assumptions() { return assumptions_; }
@@ -53,7 +53,6 @@ private:
     struct Node;
     struct Block;
     class Solver;
-    class Solvers;
 
     std::vector<Node> split(LabelledPiece piece, double share);
     static void collect(std::vector<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks);
@@ -68,7 +67,7 @@ private:
     CircularRecursion& circular_;
     Patchwork& patchwork_;
     const PieceCutter cutter_;
-    const std::unique_ptr<Solvers> solvers_;
+    WorkerPool<Solver> solvers_;
     std::vector<Assumption> assumptions_;
     std::size_t assumed_ = 0, pieces_ = 0;
 };
