@@ -11,7 +11,9 @@ struct PieceWork;
 
 class MixedAnalysis {
 public:
-    explicit MixedAnalysis(Competition& all) : all_(all), rivals_(all), sides_(all) {}
+    /// `before`: what sides labelled by others have cost.
+    explicit MixedAnalysis(Competition& all, const SideEffort& before = {})
+        : all_(all), rivals_(all), sides_(all, before) {}
     MixedAnalysis(const MixedAnalysis&) = delete;
 
     BoxRivals& rivals() { return rivals_; }

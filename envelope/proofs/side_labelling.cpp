@@ -103,15 +103,13 @@ SideLabelling::Lowest SideLabelling::lowest_at(const SideLine& line, double s,
     return lowest_at(line.at(Interval(s)), candidates, [&] { return line.exact_at(s); });
 }
 
-bool SideLabelling::is_spent() const {
+bool SideEffort::is_too_much(std::size_t forms) const {
     // Measured: 80 evaluations and some hundred stretches to a form are usual; a few thousand evaluations in
     // all where a tie of some ten forms is settled, 150,000 stretches along a line that hardly leaves a
     // plane.
     constexpr std::size_t most_wide = 10000, wide_of_form = 500, most_stretches = 150000,
                           stretches_of_form = 5000;
-    const std::size_t forms = heights_.family().size();
-    return heights_.wide_evaluations() - wide_before_ > most_wide + wide_of_form * forms ||
-           stretches_ > most_stretches + stretches_of_form * forms;
+    return wide > most_wide + wide_of_form * forms || stretches > most_stretches + stretches_of_form * forms;
 }
 
 // The forms that may be lowest somewhere between s0 and s1, and if there are two the least slope of their

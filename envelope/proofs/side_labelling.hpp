@@ -12,13 +12,26 @@
 
 namespace vcell {
 
+/// What labelling sides has cost.
+struct SideEffort {
+    std::size_t stretches = 0;  ///< that sides were divided into
+    std::size_t wide = 0;       ///< evaluations of heights with many digits
+
+    SideEffort operator+(const SideEffort& o) const { return {stretches + o.stretches, wide + o.wide}; }
+    friend bool operator==(const SideEffort&, const SideEffort&) = default;
+    /// Is it so much that forms all but coincide along a curve or an area?
+    bool is_too_much(std::size_t forms) const;
+};
+
 class SideLabelling : CompetitionArgument {
 public:
-    explicit SideLabelling(Competition& all)
+    /// `before`: by others, to which what is spent here comes on top.
+    explicit SideLabelling(Competition& all, const SideEffort& before = {})
         : CompetitionArgument(all),
           crossings_(all),
           roots_(all),
-          wide_before_(all.heights().wide_evaluations()) {}
+          before_(before),
+          wide_at_start_(all.heights().wide_evaluations()) {}
 
     /// All forms that attain the minimum of the candidates where s and t meet.
     std::vector<FormId> lowest_at(const PieceSide& s, const PieceSide& t, std::span<const FormId> candidates);
@@ -37,9 +50,8 @@ public:
 
     /// The tie that the last seam was given up for.
     const std::optional<Assumption>& obstacle() const { return obstacle_; }
-    /// Were sides divided, or heights asked for with many digits, so often that forms all but coincide along
-    /// a curve or an area?
-    bool is_spent() const;
+    SideEffort effort() const { return {stretches_, heights_.wide_evaluations() - wide_at_start_}; }
+    bool is_spent() const { return (before_ + effort()).is_too_much(heights_.family().size()); }
 
 private:
     struct Rivals {
@@ -61,9 +73,10 @@ private:
     SideCrossings crossings_;
     SideRoots roots_;
     std::optional<Assumption> obstacle_;
-    std::size_t stretches_ = 0;         // that sides were divided into
-    const std::size_t wide_before_;     // evaluations with many digits before the first side
-    std::size_t wide_before_side_ = 0;  // and before the side in work
+    const SideEffort before_;
+    std::size_t stretches_ = 0;
+    const std::size_t wide_at_start_;   // evaluations with many digits by then
+    std::size_t wide_before_side_ = 0;  // before the side in work
 };
 
 }  // namespace vcell

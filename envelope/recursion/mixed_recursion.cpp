@@ -79,8 +79,8 @@ public:
     const Competition& competition() const { return competition_; }
     Decisions decisions() const { return competition_.decisions(); }
 
-    LabelledPiece label(const RegionPiece& piece, Steps& steps) {
-        begin();
+    LabelledPiece label(const RegionPiece& piece, const Effort& before, Steps& steps) {
+        begin(before);
         const Rectangle& r = piece.rect;
         const std::vector<FormId> candidates =
             analysis_->rivals().cull({r.x0, r.x1, r.y0, r.y1}, all_forms(all_.family_));
@@ -88,17 +88,17 @@ public:
         LabelledPiece out{piece, {}, {}};
         std::vector<FormId> first(n), last(n);
         for (std::size_t i = 0; i < n; ++i) {
-            const std::size_t before = (i + n - 1) % n;
+            const std::size_t previous = (i + n - 1) % n;
             std::vector<FormId> ties =
-                analysis_->sides().lowest_at(piece.sides[before], piece.sides[i], candidates);
-            first[i] = last[before] = ties.front();
+                analysis_->sides().lowest_at(piece.sides[previous], piece.sides[i], candidates);
+            first[i] = last[previous] = ties.front();
             if (ties.size() == 1) {
                 ties.clear();
             } else {
                 first[i] = analysis_->sides().label_beside(piece.sides[i], piece.corners[i],
                                                            piece.corners[(i + 1) % n], ties);
-                last[before] = analysis_->sides().label_beside(piece.sides[before], piece.corners[i],
-                                                               piece.corners[before], ties);
+                last[previous] = analysis_->sides().label_beside(piece.sides[previous], piece.corners[i],
+                                                                 piece.corners[previous], ties);
             }
             out.corner_ties.push_back(std::move(ties));
         }
@@ -115,23 +115,28 @@ public:
 
     // Looks at one piece: halves, or the only step. The candidates, which may be lowest in it, get fewer.
     std::optional<LabelledHalves> look_at(const LabelledPiece& part, std::vector<FormId>& candidates,
-                                          unsigned depth, double share, Steps& steps) {
-        begin();
+                                          unsigned depth, double share, const Effort& before, Steps& steps) {
+        begin(before);
         auto halves = halves_of(part, candidates, depth, share, steps);
         end(steps);
         return halves;
     }
     void solve(const LabelledPiece& part, std::vector<FormId> candidates, unsigned depth, double share,
-               Steps& steps) {
-        begin();
+               const Effort& before, Steps& steps) {
+        begin(before);
         solve_all(part, std::move(candidates), depth, share, steps);
         end(steps);
     }
 
+    // On the last of these.
+    Effort effort() { return {splits_, small_pieces_, analysis_->sides().effort()}; }
+
 private:
-    // What is spent on a part of the region, and found there, is a matter of this part alone.
-    void begin() {
-        analysis_.emplace(competition_);
+    // What is found in a part of the region is a matter of this part alone. `before` it so much was spent.
+    void begin(const Effort& before) {
+        analysis_.emplace(competition_, before.sides);
+        competition_.assumptions().clear();
+        before_ = before;
         splits_ = small_pieces_ = small_pieces_in_place_ = 0;
     }
     void end(Steps& steps) { steps.assumptions = std::exchange(competition_.assumptions(), {}); }
@@ -182,8 +187,7 @@ private:
             ++small_pieces_in_place_;
         }
         splits_ += competition_.heights().cost();
-        if (at_floor || splits_ > most_splits + splits_of_form * family.size() ||
-            analysis_->sides().is_spent() || small_pieces_ > small_pieces_of_form * family.size() ||
+        if (at_floor || (before_ + effort()).is_too_much(family.size()) ||
             small_pieces_in_place_ > most_small_pieces_in_place)
             throw TieError(all_of(r, candidates));
         auto halves = split(part, candidates, Patchwork::seam_at(depth));
@@ -239,6 +243,7 @@ private:
     const MixedRecursion& all_;
     Competition competition_;
     std::optional<MixedAnalysis> analysis_;
+    Effort before_;
     std::size_t splits_ = 0, small_pieces_ = 0, small_pieces_in_place_ = 0;
 };
 
@@ -252,6 +257,7 @@ struct MixedRecursion::Node {
     unsigned depth = 0;
     bool is_open = true;  // neither solved nor halved
     Steps steps{};
+    Effort effort{};
     std::optional<LabelledHalves> halves{};
     std::uint32_t first = none;  // of its halves; the other one follows
 
@@ -262,6 +268,18 @@ struct MixedRecursion::Block {
     Node* node;
     std::vector<std::uint32_t> seams = {};
 };
+
+// What a block has left, or the tie for which it was given up.
+struct MixedRecursion::Solved {
+    Steps steps;
+    Effort before{}, effort{};  // what others had cost by then, and the block itself
+    std::optional<Assumption> tie{};
+};
+
+bool MixedRecursion::Effort::is_too_much(std::size_t forms) const {
+    return splits > most_splits + splits_of_form * forms || small_pieces > small_pieces_of_form * forms ||
+           sides.is_too_much(forms);
+}
 
 MixedRecursion::MixedRecursion(const FormFamily& family, const EnvelopeOptions& options,
                                const Rectangle& root, std::size_t most_competitors, SharedProgress& progress,
@@ -291,7 +309,10 @@ Decisions MixedRecursion::decisions() const {
 LabelledPiece MixedRecursion::label(const RegionPiece& piece) {
     LabelledPiece labelled;
     Steps steps;
-    solvers_.with_one([&](Solver& solver) { labelled = solver.label(piece, steps); });
+    solvers_.with_one([&](Solver& solver) {
+        labelled = solver.label(piece, spent_, steps);
+        spent_ = spent_ + solver.effort();
+    });
     assume(std::move(steps.assumptions));
     return labelled;
 }
@@ -302,26 +323,45 @@ Patchwork::Index MixedRecursion::solve(LabelledPiece piece, double share) {
     std::vector<Block> blocks;
     collect(nodes, 0, blocks);
 
+    const auto open = std::ranges::count_if(blocks, [](const Block& b) { return b.node->is_open; });
+    const unsigned threads =
+        static_cast<std::size_t>(open) >= worth_threads ? thread_count(options_.threads) : 1;
+    const Effort before_all = spent_;
     const auto solve_block = [&](std::size_t i) {
         Node& node = *blocks[i].node;
-        if (node.is_open)
-            solvers_.with_one([&](Solver& solver) {
-                solver.solve(node.piece, std::move(node.candidates), node.depth, node.share, node.steps);
-            });
-        return std::move(node.steps);
+        if (node.is_open) return solved(node, threads > 1 ? before_all : spent_);
+        return Solved{std::move(node.steps)};
     };
     std::vector<Patchwork::Index> handles;  // of what is not glued yet
-    const auto take_block = [&](std::size_t i, Steps steps) {
-        take(std::move(steps), handles);
+    const auto take_block = [&](std::size_t i, Solved block) {
+        take(settled(*blocks[i].node, std::move(block)), handles);
         for (const std::uint32_t seam : blocks[i].seams) take({{{Seam{seam}}}}, handles);
         progress_.add(0);  // other threads' blocks, too, are told of
     };
-    const auto open = std::ranges::count_if(blocks, [](const Block& b) { return b.node->is_open; });
-    const bool are_many = static_cast<std::size_t>(open) >= worth_threads;
-    progress_.cancellable([&] {
-        in_order(blocks.size(), are_many ? thread_count(options_.threads) : 1, solve_block, take_block);
-    });
+    progress_.cancellable([&] { in_order(blocks.size(), threads, solve_block, take_block); });
     return handles.back();
+}
+
+MixedRecursion::Solved MixedRecursion::solved(const Node& node, const Effort& before) {
+    Solved result{{}, before};
+    solvers_.with_one([&](Solver& solver) {
+        try {
+            solver.solve(node.piece, node.candidates, node.depth, node.share, before, result.steps);
+        } catch (const TieError& e) {
+            result.tie = e.tie;
+        }
+        result.effort = solver.effort();
+    });
+    return result;
+}
+
+// What counts is what a block has come to after those before it.
+MixedRecursion::Steps MixedRecursion::settled(const Node& node, Solved block) {
+    if (block.before != spent_ && (spent_ + block.effort).is_too_much(family_.size()))
+        block = solved(node, spent_);
+    if (block.tie) throw TieError(*std::move(block.tie));
+    spent_ = spent_ + block.effort;
+    return std::move(block.steps);
 }
 
 // One generation after the other.
@@ -336,13 +376,15 @@ std::vector<MixedRecursion::Node> MixedRecursion::split(LabelledPiece piece, dou
             for_all(end - begin, are_many ? thread_count(options_.threads) : 1, [&](std::size_t i) {
                 Node& node = nodes[begin + i];
                 solvers_.with_one([&](Solver& solver) {
-                    node.halves =
-                        solver.look_at(node.piece, node.candidates, node.depth, node.share, node.steps);
+                    node.halves = solver.look_at(node.piece, node.candidates, node.depth, node.share, spent_,
+                                                 node.steps);
+                    node.effort = solver.effort();
                 });
                 node.is_open = false;
             });
         });
         for (std::size_t i = begin; i < end; ++i) {
+            spent_ = spent_ + nodes[i].effort;
             if (!nodes[i].halves) continue;
             auto [first, second] = *std::exchange(nodes[i].halves, {});
             nodes[i].first = static_cast<std::uint32_t>(nodes.size());

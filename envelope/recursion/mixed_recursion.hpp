@@ -5,8 +5,9 @@
 ///
 /// Down to blocks the pieces of one generation are split side by side, and blocks are solved on any thread.
 /// They leave what the patchwork is to take and to glue, in the order in which one thread would have done so.
-/// Which blocks there are depends on the forms alone, and none knows of another, so the diagram is the same
-/// for any number of threads.
+/// Which blocks there are depends on the forms alone, and none knows of another but for what all of them may
+/// cost: a block that would have been given up, had it known what those before it cost, is solved again. So
+/// the diagram is the same for any number of threads, and so is what is thrown.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
 #include "../proofs/competition.hpp"
+#include "../proofs/side_labelling.hpp"
 #include "circular_recursion.hpp"
 #include "pieces.hpp"
 
@@ -47,15 +49,28 @@ public:
     std::size_t pieces() const { return pieces_; }
 
 private:
+    struct Effort {
+        std::size_t splits = 0, small_pieces = 0;
+        SideEffort sides{};
+
+        Effort operator+(const Effort& o) const {
+            return {splits + o.splits, small_pieces + o.small_pieces, sides + o.sides};
+        }
+        bool is_too_much(std::size_t forms) const;
+        friend bool operator==(const Effort&, const Effort&) = default;
+    };
     struct Circular;
     struct Seam;
     struct Steps;
     struct Node;
     struct Block;
+    struct Solved;
     class Solver;
 
     std::vector<Node> split(LabelledPiece piece, double share);
     static void collect(std::vector<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks);
+    Solved solved(const Node& node, const Effort& before);
+    Steps settled(const Node& node, Solved solved);
     void take(Steps steps, std::vector<Patchwork::Index>& handles);
     void assume(std::vector<Assumption> assumptions);
 
@@ -69,7 +84,8 @@ private:
     const PieceCutter cutter_;
     WorkerPool<Solver> solvers_;
     std::vector<Assumption> assumptions_;
-    std::size_t assumed_ = 0, pieces_ = 0;
+    Effort spent_;
+    std::size_t pieces_ = 0;
 };
 
 }  // namespace vcell
