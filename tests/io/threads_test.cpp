@@ -152,6 +152,23 @@ TEST_CASE("threads: cells among tubes have the same bytes for any number of them
     }
 }
 
+TEST_CASE("threads: what is refused is refused with the same words for any number of them") {
+    // The point is so near to the line that pieces of the box's size tell nothing.
+    Scene scene;
+    scene.base = Cylinder{{0, 0, 0}, {0, 0, 1}, 0};
+    scene.objects = {Sphere{{-4e-9, -3e-9, -0.7}, 0}, Cylinder{{0, 1, 0}, {1, 0, 0}, 0.1}};
+    scene.box = {{-2, -2, -2}, {2, 2, 2}};
+    const auto outcome = [&](unsigned threads) {
+        try {
+            return text_on(1, cell_on(threads, scene));
+        } catch (const UndecidedError& e) {
+            return std::string(e.what());
+        }
+    };
+    const std::string alone = outcome(1);
+    for (const unsigned threads : {2u, 3u, 8u}) CHECK(outcome(threads) == alone);
+}
+
 TEST_CASE("threads: who cancels gets the own exception back, whatever other threads do") {
     std::mt19937_64 rng(test_seed());
     const Scene scene = random_balls(rng);
