@@ -1,7 +1,6 @@
 #include "mixed_recursion.hpp"
 
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -318,7 +317,7 @@ LabelledPiece MixedRecursion::label(const RegionPiece& piece) {
 }
 
 Patchwork::Index MixedRecursion::solve(LabelledPiece piece, double share) {
-    std::vector<Node> nodes = split(std::move(piece), share);
+    std::deque<Node> nodes = split(std::move(piece), share);
     for (Node& node : nodes) assume(std::move(node.steps.assumptions));
     std::vector<Block> blocks;
     collect(nodes, 0, blocks);
@@ -365,8 +364,8 @@ MixedRecursion::Steps MixedRecursion::settled(const Node& node, Solved block) {
 }
 
 // One generation after the other.
-std::vector<MixedRecursion::Node> MixedRecursion::split(LabelledPiece piece, double share) {
-    std::vector<Node> nodes;
+std::deque<MixedRecursion::Node> MixedRecursion::split(LabelledPiece piece, double share) {
+    std::deque<Node> nodes;
     nodes.push_back({std::move(piece), all_forms(family_), share});
     for (std::size_t begin = 0; begin < nodes.size();) {
         const std::size_t end = nodes.size();
@@ -398,7 +397,7 @@ std::vector<MixedRecursion::Node> MixedRecursion::split(LabelledPiece piece, dou
     return nodes;
 }
 
-void MixedRecursion::collect(std::vector<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks) {
+void MixedRecursion::collect(std::deque<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks) {
     if (nodes[node].first == Node::none) {
         blocks.push_back({&nodes[node]});
         return;

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -67,8 +68,8 @@ private:
     struct Solved;
     class Solver;
 
-    std::vector<Node> split(LabelledPiece piece, double share);
-    static void collect(std::vector<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks);
+    std::deque<Node> split(LabelledPiece piece, double share);
+    static void collect(std::deque<Node>& nodes, std::uint32_t node, std::vector<Block>& blocks);
     Solved solved(const Node& node, const Effort& before);
     Steps settled(const Node& node, Solved solved);
     void take(Steps steps, std::vector<Patchwork::Index>& handles);
