@@ -178,6 +178,8 @@ private:
             if (deviation(*use.patch, from_uv, to_uv) > use.chord ||
                 strays(*use.patch, from_uv, to_uv, use.chord))
                 return true;
+            // A seam may go all around and come back to next to where it began.
+            if (use.curve->seam && strays(*use.patch, curve, a, b, use.chord)) return true;
         }
         return false;
     }

@@ -45,15 +45,32 @@ double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
     return most;
 }
 
-bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord) {
-    const Vec3 from = s.evaluate(a.x(), a.y()), to = s.evaluate(b.x(), b.y());
+// Of a curve from at(0) to at(1).
+template <class At>
+static bool strays(const At& at, double chord) {
+    const Vec3 from = at(0.0), to = at(1.0);
     constexpr double of_length = 0.125;
     const double allowed = std::max(chord, of_length * (to - from).norm());
-    const auto is_off = [&](double t) {
-        const Vec2 uv = (1 - t) * a + t * b;
-        return distance_from_segment(s.evaluate(uv.x(), uv.y()), from, to) > allowed;
-    };
+    const auto is_off = [&](double t) { return distance_from_segment(at(t), from, to) > allowed; };
     return is_off(0.5) || is_off(0.25) || is_off(0.75);
+}
+
+bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord) {
+    return strays(
+        [&](double t) {
+            const Vec2 uv = (1 - t) * a + t * b;
+            return s.evaluate(uv.x(), uv.y());
+        },
+        chord);
+}
+
+bool strays(const RationalPatch& s, const RationalCurve2& curve, double from, double to, double chord) {
+    return strays(
+        [&](double t) {
+            const Vec2 uv = curve.evaluate((1 - t) * from + t * to);
+            return s.evaluate(uv.x(), uv.y());
+        },
+        chord);
 }
 
 Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vector<Vec2>>& loops) {

@@ -22,6 +22,8 @@ double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b);
 /// by more than `chord` and by more than an eighth of its length? Along a face's boundary it must not,
 /// however it lies on the surface: what is beyond is not the face's.
 bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord);
+/// Does the image of a curve of parameters leave the segment between its ends so far?
+bool strays(const RationalPatch& s, const RationalCurve2& curve, double from, double to, double chord);
 
 /// Parameters turned and stretched so that triangles that are round in them are about as round in space: a
 /// linear map whose square is the patch's metric, each place's of determinant 1, in the mean of these places.

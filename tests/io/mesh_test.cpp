@@ -411,6 +411,29 @@ TEST_CASE("mesh: a face in two patches is joined along their seam") {
     }
 }
 
+TEST_CASE("mesh: a seam that comes back to next to where it began goes all around") {
+    // One side of the box cuts a little off the cap, across its patches' seam. As a chord of a hundredth lets
+    // the seam be the segment between its ends, the mesh had next to no volume.
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0.5};
+    scene.probe = 1.5;
+    for (const Vec3& high : {Vec3(1.98, 3, 1.7), Vec3(3, 1.7, 1.95), Vec3(1.95, 1.9, 3)}) {
+        scene.box = {Vec3::Constant(-3), high};
+        const Cell cell = voronoi_cell(scene);
+        for (const double part : {0.001, 0.01, 0.03}) {
+            CAPTURE(high.transpose());
+            CAPTURE(part);
+            const CellMesh mesh = tessellate(cell, {part * cell_diagonal(cell), true});
+            const Topology t = topology(mesh.triangles);
+            CHECK(t.manifold);
+            CHECK(t.rim == 0);
+            CHECK(t.euler == 2);
+            constexpr double most_area = 4 * std::numbers::pi * 2 * 2;
+            CHECK(std::abs(volume(mesh) - cell.measures.volume) < most_area * mesh.chord);
+        }
+    }
+}
+
 // Two edges beside each other, in many trimming curves: with a number of pieces that counted all of them the
 // mesh had millions.
 TEST_CASE("mesh: chords that cross those beside them are halved, and no more often") {
