@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "../core/errors.hpp"
@@ -124,26 +125,39 @@ VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& 
     });
 }
 
+namespace {
+
+// Where the box repeats all is moved to a grid as coarse as the farthest object asks for. Is it where it was,
+// but for an object that has changed?
+bool are_on_one_grid(const DiagramScene& before, const DiagramScene& after, std::uint32_t changed) {
+    if (!before.is_periodic()) return true;
+    for (std::uint32_t i = 0; i < before.objects.size(); ++i)
+        if (i != changed && before.objects[i] != after.objects[i]) return false;
+    return before.tilt == after.tilt && before.box.min == after.box.min && before.box.max == after.box.max;
+}
+
+}  // namespace
+
 void update(VoronoiDiagram& diagram, DiagramScene& scene, std::uint32_t number, const Object& object,
             const DiagramOptions& options) {
     if (number >= scene.objects.size())
         throw InputError(InputError::Kind::OutOfRange, number, "objects[" + std::to_string(number) + "]",
                          "is not there to be changed");
-    const auto touched = [&](const whole::DecidedDiagram& decided) {
-        std::vector<std::uint32_t> which;
-        for (std::uint32_t i = 0; i < diagram.cells.size(); ++i)
-            if (i == number || diagram.cells[i].state != DiagramCell::State::Computed ||
-                decided.may_touch(number, i, diagram.cells[i].reach))
-                which.push_back(i);
-        return which;
-    };
-    std::vector<std::uint32_t> which = touched(whole::DecidedDiagram(scene));
-    scene.objects[number] = object;
-    const whole::DecidedDiagram decided(scene);
-    const std::vector<std::uint32_t> after = touched(decided);
-    which.insert(which.end(), after.begin(), after.end());
-    std::ranges::sort(which);
-    which.erase(std::ranges::unique(which).begin(), which.end());
+    DiagramScene changed = scene;
+    changed.objects[number] = object;
+    const whole::DecidedDiagram before(scene), decided(changed);
+    std::vector<std::uint32_t> which;
+    for (std::uint32_t i = 0; i < diagram.cells.size(); ++i) {
+        const DiagramCell& cell = diagram.cells[i];
+        if (i == number || cell.state != DiagramCell::State::Computed ||
+            before.may_touch(number, i, cell.reach) || decided.may_touch(number, i, cell.reach))
+            which.push_back(i);
+    }
+    if (!are_on_one_grid(before.scene(), decided.scene(), number)) {
+        which.resize(diagram.cells.size());
+        std::iota(which.begin(), which.end(), 0u);
+    }
+    scene = std::move(changed);
     diagram.moved = std::max(diagram.moved, decided.moved());
     compute(decided, which, diagram, options);
 }
@@ -152,9 +166,8 @@ ContactTable contacts(const VoronoiDiagram& diagram) {
     std::vector<whole::ContactSide> sides;
     for (std::uint32_t i = 0; i < diagram.cells.size(); ++i)
         for (const CellContact& c : diagram.cells[i].contacts) sides.push_back(whole::contact_side(i, c));
-    return whole::pair_up(std::move(sides), [&](std::uint32_t i) {
-        return diagram.cells[i].state == DiagramCell::State::Computed && !diagram.cells[i].is_estimated;
-    });
+    return whole::pair_up(std::move(sides),
+                          [&](std::uint32_t i) { return whole::knows_contacts(diagram.cells[i]); });
 }
 
 FilledVolume filled_volume(const DiagramScene& scene, const VoronoiDiagram& diagram) {

@@ -17,10 +17,6 @@ struct Neighbor {
     bool is_known;  // whole::pair_up()
 };
 
-bool is_known(const DiagramCell& cell) {
-    return cell.state == DiagramCell::State::Computed && !cell.is_estimated;
-}
-
 void take_cells(Ranks& ranks, const SceneParts& parts, std::vector<DiagramCell> cells,
                 OrderedCells& ordered) {
     std::vector<Letter> to(ranks.size());
@@ -84,7 +80,7 @@ std::map<std::uint32_t, Neighbor> look_up(Ranks& ranks, const SceneParts& parts,
             told[rank].put(number);
             told[rank].put(ordered.scene.objects[i]);
             told[rank].put(ordered.scene.names[i]);
-            told[rank].put(is_known(ordered.cells[i]));
+            told[rank].put(whole::knows_contacts(ordered.cells[i]));
         }
     std::map<std::uint32_t, Neighbor> neighbors;
     for (const Letter& letter : ranks.exchange(std::move(told)))

@@ -31,6 +31,11 @@ ContactSide contact_side(std::uint32_t owner, const CellContact& c) {
     return side;
 }
 
+bool knows_contacts(const DiagramCell& cell) {
+    return cell.state == DiagramCell::State::Computed && !cell.is_estimated &&
+           cell.volume > cell.volume_error;
+}
+
 ContactTable pair_up(std::vector<ContactSide> sides, const std::function<bool(std::uint32_t)>& is_known) {
     const auto key = [](const ContactSide& s) { return std::tie(s.first, s.second, s.image); };
     std::ranges::sort(sides, [&](const ContactSide& a, const ContactSide& b) {

@@ -23,9 +23,13 @@ struct ContactSide {
 
 ContactSide contact_side(std::uint32_t owner, const CellContact& contact);
 
+/// Must the cell list all of its contacts? It is computed, its errors are proven, and it has a volume: what
+/// lies beyond a side of the box and is the mirror image of an object in it has none, and the cell of that
+/// object has a face with it in the side.
+bool knows_contacts(const DiagramCell& cell);
+
 /// The pairs of these sides; faults are of pairs that do not fit, and of sides without the other one where
-/// is_known(cell) says that the cell without it is computed, its errors proven. Pre: of each pair all sides
-/// that there are.
+/// is_known(cell) says that the cell without it knows_contacts(). Pre: of each pair all sides that there are.
 ContactTable pair_up(std::vector<ContactSide> sides, const std::function<bool(std::uint32_t)>& is_known);
 
 /// filled_volume() in parts.

@@ -119,6 +119,41 @@ TEST_CASE("update: balls that move beside sides of a box that repeats along othe
     }
 }
 
+TEST_CASE("update: a ball so far away that all others are on a coarser grid") {
+    // What was rounded anew had other faces than what was not, and cells of pairs did not agree.
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Constant(1)};
+    scene.periodic = {true, true, true};
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> place(0, 1);
+    for (int i = 0; i < 60; ++i)
+        scene.objects.emplace_back(Sphere{Vec3(place(rng), place(rng), place(rng)), 0.01});
+    VoronoiDiagram diagram = voronoi_diagram(scene);
+    const Vec3 center = std::get<Sphere>(scene.objects[0]).center;
+    for (const double edges : {1000.0, 0.0}) {
+        update(diagram, scene, 0, Sphere{center + Vec3(edges, 0, 0), 0.01});
+        CHECK(contacts(diagram).faults == std::vector<std::string>());
+        const VoronoiDiagram anew = voronoi_diagram(scene);
+        for (std::size_t i = 0; i < anew.cells.size(); ++i)
+            CHECK(std::abs(diagram.cells[i].volume - anew.cells[i].volume) <=
+                  diagram.cells[i].volume_error + anew.cells[i].volume_error);
+    }
+}
+
+TEST_CASE("update: what is refused leaves the scene and its diagram as they were") {
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Constant(1)};
+    scene.periodic = {true, true, true};
+    scene.objects = {Sphere{{0.25, 0.25, 0.25}, 0.1}, Sphere{{0.75, 0.75, 0.5}, 0.1}};
+    const std::vector<Object> objects = scene.objects;
+    VoronoiDiagram diagram = voronoi_diagram(scene);
+    const double volume = diagram.cells[0].volume;
+    CHECK_THROWS_AS(update(diagram, scene, 1, Plane{}), InputError);
+    CHECK_THROWS_AS(update(diagram, scene, 1, Sphere{{0, 0, 0}, -1}), InputError);
+    CHECK(scene.objects == objects);
+    CHECK(diagram.cells[0].volume == volume);
+}
+
 TEST_CASE("voronoi_diagram: boxes too small for their balls, and balls too far away, are named") {
     DiagramScene scene;
     scene.box = {Vec3::Zero(), Vec3::Constant(4)};

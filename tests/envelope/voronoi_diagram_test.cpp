@@ -468,6 +468,24 @@ TEST_CASE(
     CHECK_THROWS_AS(update(diagram, scene, 150, Sphere{}), InputError);
 }
 
+TEST_CASE(
+    "contacts: a ball beyond a side of the box, the mirror image of one inside, has no cell to lack a face") {
+    DiagramScene scene;
+    scene.objects = {Sphere{{-1, 0, 0}, 0.25}, Sphere{{1, 0, 0}, 0.25}, Sphere{{-1, 1, 0.5}, 0.25}};
+    scene.box = {Vec3::Constant(-2), {0, 2, 2}};
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    CHECK(std::abs(diagram.cells[1].volume) <= diagram.cells[1].volume_error);
+    const ContactTable table = contacts(diagram);
+    CHECK(table.faults == std::vector<std::string>());
+    CHECK(std::ranges::count_if(table.contacts, [](const Contact& c) {
+              return c.first == 0 && c.second == Site::object(1) && c.area > 1;
+          }) == 1);
+    // A face that is lost is told yet.
+    VoronoiDiagram lacking = diagram;
+    std::erase_if(lacking.cells[2].contacts, [](const CellContact& c) { return c.site == Site::object(0); });
+    CHECK(contacts(lacking).faults.size() == 1);
+}
+
 TEST_CASE("voronoi_diagram: what is no scene is named") {
     DiagramScene scene;
     scene.box = {Vec3::Zero(), Vec3::Ones()};
