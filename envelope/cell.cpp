@@ -101,6 +101,20 @@ Cell with_cap_as_object(Cell cell) {
     return cell;
 }
 
+void number_by_places(Cell& cell) {
+    if (!cell.scene.numbers.empty()) {
+        const auto to_place = [&](std::uint32_t& number) {
+            number = static_cast<std::uint32_t>(cell.scene.place(number));
+        };
+        for_each_site(cell, [&](Site& site) {
+            if (site.is_object()) to_place(site.index);
+        });
+        std::ranges::for_each(cell.neighbors, to_place);
+    }
+    cell.scene.numbers.clear();
+    cell.scene.images.clear();
+}
+
 void scale(Cell& cell, double factor, double of_parameters, unsigned threads) {
     if (factor == 1) return;
     const double square = factor * factor, cube = square * factor;

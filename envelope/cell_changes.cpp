@@ -77,6 +77,7 @@ std::vector<std::uint32_t> neighbors_and_ties(const Cell& cell) {
 }
 
 Cell insert(Cell cell, const Object& object, const CellOptions& options) {
+    number_by_places(cell);
     const CellOptions kept = keeping(cell, options);
     Numbers among = that_matter(cell, kept.complete);
     Scene scene = std::move(cell.scene);
@@ -115,10 +116,13 @@ bool may_touch(const Object& object, const Scene& scene, double clearance) {
 
 }  // namespace
 
-Cell remove(Cell cell, std::uint32_t object, const CellOptions& options) {
-    if (object >= cell.scene.objects.size())
-        throw InputError(InputError::Kind::OutOfRange, object, "objects[" + std::to_string(object) + "]",
+Cell remove(Cell cell, std::uint32_t number, const CellOptions& options) {
+    const std::vector<std::uint32_t>& numbers = cell.scene.numbers;
+    if (numbers.empty() ? number >= cell.scene.objects.size() : !std::ranges::binary_search(numbers, number))
+        throw InputError(InputError::Kind::OutOfRange, number, "objects[" + std::to_string(number) + "]",
                          "is not there to be removed");
+    const auto object = static_cast<std::uint32_t>(cell.scene.place(number));
+    number_by_places(cell);
     if (!cell.scene.competes(object))
         throw InputError(InputError::Kind::Unsupported, object, object_path(cell.scene, object),
                          "is the base and cannot be removed");
@@ -172,6 +176,15 @@ Cell merge(Cell first, const Cell& second, const CellOptions& options) {
     if (first.scene.probe != other.probe)
         throw InputError(Kind::Unsupported, InputError::no_object, "probe",
                          "is not the same in cells to be merged");
+    if (first.scene.units != other.units)
+        throw InputError(Kind::Unsupported, InputError::no_object, "units",
+                         "are not the same in cells to be merged");
+    if (!other.numbers.empty()) {
+        Cell by_places = second;
+        number_by_places(by_places);
+        return merge(std::move(first), by_places, options);
+    }
+    number_by_places(first);
     const CellOptions kept = keeping(first, options);
     Numbers among = that_matter(first, kept.complete);
     Scene scene = std::move(first.scene);

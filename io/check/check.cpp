@@ -20,6 +20,11 @@ namespace vcell {
 
 Certificate certify(const Cell& cell, const CheckOptions& options) {
     using namespace check;
+    if (!cell.scene.numbers.empty()) {
+        Cell by_places = cell;
+        number_by_places(by_places);
+        return certify(by_places, options);
+    }
     if (cell.scene.probe) return certify(with_cap_as_object(cell), options);
     Certificate certificate;
     const SceneGeometry geometry(cell.scene);

@@ -30,7 +30,7 @@ struct CheckOptions {
 };
 
 /// Geometry is judged only where the structure allows. What is not_measured (CellOptions::measure) is
-/// refuted.
+/// refuted. Of a cell that is one of a whole diagram's objects are named by their places in its scene.
 Certificate certify(const Cell& cell, const CheckOptions& options = {});
 
 /// What is refuted or open.

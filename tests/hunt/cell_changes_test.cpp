@@ -8,6 +8,8 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/cell_changes.hpp"
+#include "../../envelope/voronoi_diagram.hpp"
+#include "../../io/check/check.hpp"
 #include "families.hpp"
 #include "test_support.hpp"
 
@@ -229,6 +231,54 @@ TEST_CASE("insert, remove and merge: what rays of complete cells end at before t
     CHECK(revealed.measures.volume > cell.measures.volume + 0.01);
 }
 
+TEST_CASE("insert, remove and merge: cells of whole diagrams become cells of scenes of their own") {
+    for (const bool repeats : {false, true}) {
+        CAPTURE(repeats);
+        DiagramScene scene;
+        std::mt19937_64 rng(test_seed());
+        std::uniform_real_distribution<double> place(0, 4);
+        for (int i = 0; i < 40; ++i)
+            scene.objects.emplace_back(Sphere{Vec3(place(rng), place(rng), place(rng)), 0.1});
+        scene.box = {Vec3::Zero(), Vec3::Constant(4)};
+        scene.periodic = {repeats, repeats, repeats};
+        std::vector<Cell> cells;
+        DiagramOptions options;
+        options.visit = [&](std::uint32_t, const Cell& cell) { cells.push_back(cell); };
+        voronoi_diagram(scene, options);
+        const Cell& cell = cells.back();
+        REQUIRE(cell.scene.objects.size() < cell.scene.numbers.size() + cell.scene.images.size() + 1);
+        CHECK(certify(cell).holds());
+        Scene own = cell.scene;
+        own.numbers.clear();
+        own.images.clear();
+        const auto near_base = [&](double r) {
+            const Sphere& base = std::get<Sphere>(own.base);
+            return Sphere{base.center + Vec3(base.radius + r + 0.01, 0, 0), r};
+        };
+        const Object added = near_base(0.05);
+        Scene more = own;
+        more.objects.push_back(added);
+        more.names.clear();
+        own.names.clear();
+        CHECK(difference(insert(cell, added), voronoi_cell(more)) == "");
+
+        const std::uint32_t neighbor = cell.neighbors.front();
+        const std::size_t removed = cell.scene.place(neighbor);
+        CHECK(difference(remove(cell, neighbor), voronoi_cell(without(own, removed))) == "");
+        CHECK_THROWS_AS(remove(cell, 1000), InputError);
+        // What is no neighbour leaves the others with their places.
+        for (std::size_t i = 0; i < own.objects.size(); ++i)
+            if (std::ranges::find(cell.neighbors, cell.scene.number(i)) == cell.neighbors.end()) {
+                CHECK(difference(remove(cell, cell.scene.number(i)), voronoi_cell(without(own, i))) == "");
+                break;
+            }
+
+        Scene twice = own;
+        twice.objects.insert(twice.objects.end(), own.objects.begin(), own.objects.end());
+        CHECK(difference(merge(cell, cell), voronoi_cell(twice)) == "");
+    }
+}
+
 TEST_CASE("insert, remove and merge: what they are not given is named") {
     Scene scene;
     scene.base = Sphere{{0, 0, 0}, 1};
@@ -262,6 +312,9 @@ TEST_CASE("insert, remove and merge: what they are not given is named") {
         other.base = scene.base;
         other.box.max.x() = 11;
         CHECK_THROWS_WITH_AS(merge(cell, voronoi_cell(other)), doctest::Contains("box"), InputError);
+        other = scene;
+        other.units = "A";
+        CHECK_THROWS_WITH_AS(merge(cell, voronoi_cell(other)), doctest::Contains("units"), InputError);
     }
     SUBCASE("a base that is one of the objects") {
         scene.objects.insert(scene.objects.begin() + 1, scene.base);
