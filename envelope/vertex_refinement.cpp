@@ -40,7 +40,7 @@ Vector4d gradient(const ConeSite& s, const Vec3& p) {
     const double sine = s.radius / s.slant, cosine = std::sqrt((1 - sine) * (1 + sine));
     return with_clearance(sine * d - cosine * (m - m.dot(d) * d).stableNormalized(), -1);
 }
-Vector4d gradient(const BoxSideSite& s, const Vec3&) { return with_clearance(Vec3::Unit(s.axis), 0); }
+Vector4d gradient(const BoxSideSite& s, const Vec3&) { return Vector4d::Unit(s.axis); }
 Vector4d gradient(const RimSite& s, const Vec3&) {
     return with_clearance(Vec3::Unit(s.side.axis), -vector(s.base.normal).stableNormalized()[s.side.axis]);
 }
@@ -51,6 +51,7 @@ Vector4d gradient(const EndSite& s, const Vec3&) {
 // By how much a point's distance from an object exceeds its clearance, or how far the point is from what
 // bounds the cell; X = (p, r).
 Wide excess(const VertexSite& site, const std::array<Wide, 4>& X) {
+    if (const auto* side = std::get_if<BoxSideSite>(&site)) return X[side->axis] - Wide(side->bound);
     const VertexSystem system{{site, BoxSideSite{0, 0}, BoxSideSite{1, 0}, BoxSideSite{2, 0}}};
     const QuadraticForms<4, Wide> f = system.forms<Wide>();
     const Wide value = QuadraticModel<Wide, 4>(f).at(X, Offsets<Wide, 4>(X)).value[0];
@@ -116,7 +117,9 @@ private:
             if (site.kind == Site::Kind::Object) {
                 all.push_back({site, equation(scene_.objects[scene_.place(site.index)])});
             } else if (site.kind == Site::Kind::Cap) {
-                all.push_back({site, equation(cap_of(scene_.base, *scene_.probe))});
+                // As an object it would be rounded.
+                constexpr int clearance = 3;
+                all.push_back({site, BoxSideSite{clearance, *scene_.probe}});
             } else if (site.kind == Site::Kind::End) {
                 all.push_back({site, end(site.index == 1)});
             } else if (site.kind == Site::Kind::BoxSide) {

@@ -129,6 +129,31 @@ TEST_CASE("refine: vertices of every family over every base, to 240 bits") {
     CHECK(count.left < count.refined / 50);
 }
 
+TEST_CASE("refine: vertices of caps are as far from the base as the probe says, to all digits") {
+    // 0.1 + 0.7 is no double.
+    Scene scene;
+    scene.probe = 0.7;
+    scene.objects = {Sphere{{1.1, 0.2, 0.3}, 0.1}, Cylinder{{-0.3, 0.6, 0.6}, {2, -1, 0}, 0.05},
+                     Sphere{{0.1, -0.8, 1.2}, 0.2}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    const Object bases[] = {Sphere{{0, 0, 0}, 0.1}, Cylinder{{0, 0, 0}, {0, 0, 1}, 0.1},
+                            Plane{{0, 0, -1.0 / 3}, {1, 2, 3}}, Plane{{0, 0, -0.1}, {0, 0, 1}}};
+    for (const Object& base : bases) {
+        scene.base = base;
+        const Cell cell = voronoi_cell(scene);
+        int of_cap = 0;
+        for (std::size_t v = 0; v < cell.vertices.size(); ++v) {
+            const auto& sites = cell.vertices[v].sites;
+            if (std::ranges::find(sites, Site::cap()) == sites.end()) continue;
+            const auto refined = refine(cell, v, 240);
+            if (!refined) continue;
+            ++of_cap;
+            CHECK(abs(middle(refined->box[3]) - Real(0.7)) < 1e-60);
+        }
+        CHECK(of_cap >= 2);
+    }
+}
+
 TEST_CASE("refine: digits that are known, and ties") {
     // Equally far from the origin and three points.
     Scene scene;
