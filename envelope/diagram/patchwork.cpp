@@ -316,6 +316,37 @@ void Patchwork::unite_vertices(Index kept, Index other, Index outgoing, Index fa
     for_leaving(outgoing, [&](Index h) { half_edges_[h].origin = kept; });
 }
 
+std::vector<FormId> Patchwork::label_of_origin(Index h) const {
+    std::vector<FormId> forms;
+    const Index ties = vertices_[half_edges_[h].origin].ties;
+    if (ties != none) forms = ties_[ties];
+    for_leaving(h, [&](Index g) {
+        const std::vector<FormId> along = label_of_edge(g >> 1);
+        forms.insert(forms.end(), along.begin(), along.end());
+    });
+    sort_unique(forms);
+    return forms;
+}
+
+void Patchwork::tie_along_rim(const AreOne& are_one) {
+    std::vector<Index> ends;
+    for (Index e = 0; e < edges_.size(); ++e) {
+        const Index from = half_edges_[2 * e].origin, to = target(2 * e);
+        if (!edges_[e].alive || edges_[e].side == none || from == none || to == none) continue;
+        ends.push_back(from);
+        const auto place = [&](Index v) { return Eigen::Vector2d(vertices_[v].x, vertices_[v].y); };
+        const std::vector<FormId> at_end = label_of_origin(2 * e + 1);
+        std::vector<FormId> label = label_of_edge(e);
+        const std::size_t known = label.size();
+        for (const FormId g : label_of_origin(2 * e))
+            if (std::ranges::binary_search(at_end, g) && std::ranges::find(label, g) == label.end() &&
+                are_one(edges_[e].side, place(from), place(to), edges_[e].left, g))
+                label.push_back(g);
+        if (label.size() > known) edges_[e].ties = add_ties(std::move(label));
+    }
+    for (const Index v : ends) smooth(v);
+}
+
 void Patchwork::drop_rim(Index outer) {
     pole_face_ = half_edges_[twin(outer)].face;
     for_cycle(outer, [&](Index h) {

@@ -6,7 +6,9 @@
 /// their sides carry one label), and so do the vertices they leave between two arcs of one curve.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -59,6 +61,14 @@ public:
     /// along it.
     void drop_rim(Index outer);
 
+    /// Are two forms one function along a part of the region's side, from one point to another?
+    using AreOne = std::function<bool(std::uint32_t side, const Eigen::Vector2d& from,
+                                      const Eigen::Vector2d& to, FormId f, FormId g)>;
+    /// Names what ties along the rim. Pieces that were decided by enclosures have the lowest forms along it
+    /// alone, those of circular forms all that tie, so that their rims do not go on in each other. What ties
+    /// all along an edge does in its ends.
+    void tie_along_rim(const AreOne& are_one);
+
     /// Collects faces and boundary components; the region is left for the caller to fill in.
     /// Pre: all pieces have been glued into one.
     MinimizationDiagram finish(const Heights& heights);
@@ -73,6 +83,8 @@ private:
     using Chain = SmallVector<Index, usual_chain>;
     Chain side_chain(Index outer, std::uint32_t seam) const;
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
+    /// All forms that are known to attain the minimum in the origin of a half-edge.
+    std::vector<FormId> label_of_origin(Index h) const;
     Index join_chains(const Chain& down, const Chain& up);
 
     const FormFamily& family_;

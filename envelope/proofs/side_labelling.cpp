@@ -58,7 +58,30 @@ std::vector<FormId> lowest_in_many_digits(const Heights& heights, const Rational
     });
 }
 
+// Are two forms one function along the line? Over a plane a height's reciprocal q is the positive root of
+// c q^2 - 2 b q - a, c > 0, a >= 0, where c is of degree two at most along the line, b of degree one, and a a
+// constant: the resultant of two of them is of degree four. If the heights are equal in five places it is
+// zero all along, and there is a root that both have. That does not vanish unless both a do; then without the
+// roots q = 0 what is left is linear in q, and the resultant of degree three. So the root that is positive in
+// these places is so between them, and is the height.
+bool are_one_from(const FormFamily& family, const SideLine& line, double s0, double s1, FormId f, FormId g,
+                  Decisions& decisions) {
+    constexpr int places = 5;
+    const std::array forms{f, g};
+    for (int i = 0; i < places; ++i)
+        if (!all_tie(family, forms, line.exact_at(s0 + (i + 0.5) / places * (s1 - s0)))) return false;
+    ++decisions.by_exact;
+    return true;
+}
+
 }  // namespace
+
+bool are_one_along(const FormFamily& family, const PieceSide& side, const Eigen::Vector2d& from,
+                   const Eigen::Vector2d& to, FormId f, FormId g, Decisions& decisions) {
+    const SideLine line(side);
+    const int along = line.by_x ? 0 : 1;
+    return are_one_from(family, line, from[along], to[along], f, g, decisions);
+}
 
 template <class Exactly>
 SideLabelling::Lowest SideLabelling::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
@@ -207,21 +230,9 @@ constexpr double crowded_width = 0x1p-36;
 // A seam on which forms tie is given up after so many evaluations with many digits: there are others.
 constexpr std::size_t most_along_seam = 2000;
 
-// Are two forms one function along the line? Over a plane a height's reciprocal q is the positive root of
-// c q^2 - 2 b q - a, c > 0, a >= 0, where c is of degree two at most along the line, b of degree one, and a a
-// constant: the resultant of two of them is of degree four. If the heights are equal in five places it is
-// zero all along, and there is a root that both have. That does not vanish unless both a do; then without the
-// roots q = 0 what is left is linear in q, and the resultant of degree three. So the root that is positive in
-// these places is so between them, and is the height.
 bool SideLabelling::are_one_along(const SideLine& line, double s0, double s1, FormId f, FormId g) {
-    constexpr int places = 5;
     if (!heights_.family().are_quadratic() || rule_.is_any()) return false;
-    const std::array forms{f, g};
-    for (int i = 0; i < places; ++i)
-        if (!all_tie(heights_.family(), forms, line.exact_at(s0 + (i + 0.5) / places * (s1 - s0))))
-            return false;
-    ++decisions_.by_exact;
-    return true;
+    return are_one_from(heights_.family(), line, s0, s1, f, g, decisions_);
 }
 
 // The forms are one function along a side of the region, from s0 to s1. This leaves out those that rise above

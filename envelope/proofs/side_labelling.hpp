@@ -23,6 +23,10 @@ struct SideEffort {
     bool is_too_much(std::size_t forms) const;
 };
 
+/// Are two forms over a plane one function along a side, between these places? Exact.
+bool are_one_along(const FormFamily& family, const PieceSide& side, const Eigen::Vector2d& from,
+                   const Eigen::Vector2d& to, FormId f, FormId g, Decisions& decisions);
+
 class SideLabelling : CompetitionArgument {
 public:
     /// `before`: by others, to which what is spent here comes on top.

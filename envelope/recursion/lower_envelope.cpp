@@ -20,6 +20,7 @@
 #include "../../core/errors.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
+#include "../proofs/side_labelling.hpp"
 #include "../sphere/sphere_diagram.hpp"
 #include "chart_reach.hpp"
 #include "circular_recursion.hpp"
@@ -94,6 +95,12 @@ private:
     }
 
     MinimizationDiagram finish() {
+        Decisions along_rim;
+        if (!family_.is_all_circular() && family_.are_quadratic() && options_.floor.empty())
+            patchwork_.tie_along_rim([&](std::uint32_t side, const Eigen::Vector2d& from,
+                                         const Eigen::Vector2d& to, FormId f, FormId g) {
+                return are_one_along(family_, root_.sides[side], from, to, f, g, along_rim);
+            });
         MinimizationDiagram result = patchwork_.finish(mixed_.heights());
         result.region = region_;
         result.floor = options_.floor;
@@ -103,6 +110,7 @@ private:
                 std::swap(edge.left, edge.right);
         result.decisions = circular_.decisions();
         result.decisions += mixed_.decisions();
+        result.decisions += along_rim;
         result.work = circular_.effort();
         result.work.pieces = mixed_.pieces();
         result.assumptions = std::move(mixed_.assumptions());

@@ -88,6 +88,45 @@ TEST_CASE("ties: two sides of the box meet in a corner of an oblique base region
         check_decided(scene_over({{0, 0, 0}, {1, 2, -0.7}}, {Cylinder{{0.5, 1, -0.3}, {1, 0, 1.4}, 0.1}})));
 }
 
+TEST_CASE("ties: what ties along the rim is named along all of a side, and parts nothing there") {
+    // A plane before the base is as near as the one beside the box all along the rim between them. Far lines
+    // and tubes make the region be divided: on its parts the tie was named or not, with a vertex between.
+    Scene scene;
+    scene.base = Plane{{-1, -1, 1}, {0, 0, 1}};
+    scene.objects = {Plane{{-6, 0, 4}, {-1, 0, 0}}, Plane{{-3, 0, 3}, {0, 0, -1}},
+                     Cylinder{{-4, -1, 5}, {-1, -1, -1}, 0}};
+    scene.box = {{-5, -5, -1}, {3, 2, 5}};
+    const auto sites_of_ties = [](const Cell& cell) {
+        std::vector<std::vector<Site>> all;
+        for (const CellEdge& e : cell.edges)
+            if (!e.extra_sites.empty()) {
+                all.emplace_back(e.sites.begin(), e.sites.end());
+                all.back().insert(all.back().end(), e.extra_sites.begin(), e.extra_sites.end());
+                std::ranges::sort(all.back());
+            }
+        return all;
+    };
+    const Cell before_plane = voronoi_cell(scene);
+    CHECK(before_plane.vertices.size() == 4);
+    CHECK(sites_of_ties(before_plane) ==
+          std::vector<std::vector<Site>>{{Site::object(0), Site::object(1), Site::box_side(0)}});
+
+    // So is a tube, 2.5 from there in the direction (-3, 4) / 5.
+    scene.objects.emplace_back(Cylinder{{-6.5, 0, 4}, {0, 1, 0}, 1.5});
+    const Cell below_tube = voronoi_cell(scene);
+    CHECK(below_tube.vertices.size() == 4);
+    CHECK(sites_of_ties(below_tube) == std::vector<std::vector<Site>>{{Site::object(0), Site::object(1),
+                                                                       Site::object(3), Site::box_side(0)}});
+
+    // And of a cap.
+    scene.base = Plane{{-1, -1, 0}, {0, 0, 1}};
+    scene.objects = {Plane{{1, 4, -1}, {0, 1, 0}}, Cylinder{{-5, -7, 5}, {-2, 0, -2}, 2}};
+    scene.box = {{-4, -6, -4}, {2, 3, 4}};
+    scene.probe = 1;
+    CHECK(sites_of_ties(voronoi_cell(scene)) ==
+          std::vector<std::vector<Site>>{{Site::object(0), Site::box_side(3), Site::cap()}});
+}
+
 TEST_CASE("ties: tubes over tilted planes leave nothing undecided") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
