@@ -201,13 +201,10 @@ bool base_contains(const Object& base, const Object& held) {
 
 namespace {
 
-/// The corners of the box, twice as large about its middle.
-std::array<Vec3, 8> far_corners(const Box& box) {
+std::array<Vec3, 8> corners(const Box& box) {
     std::array<Vec3, 8> corners;
-    const Vec3 half = 0.5 * (box.max - box.min);
     for (std::size_t k = 0; k < corners.size(); ++k)
-        for (int axis = 0; axis < 3; ++axis)
-            corners[k][axis] = (k >> axis) & 1 ? box.max[axis] + half[axis] : box.min[axis] - half[axis];
+        for (int axis = 0; axis < 3; ++axis) corners[k][axis] = ((k >> axis) & 1 ? box.max : box.min)[axis];
     return corners;
 }
 
@@ -228,7 +225,7 @@ T side_of_foot(const Plane& plane, const Vec3& base_point, const Vec3& normal, b
 Sign common_side(const Plane& plane, const Vec3& base_point, const Vec3& normal, bool is_axis, double radius,
                  const Box& box) {
     Sign common = Sign::Zero;
-    for (const Vec3& q : far_corners(box)) {
+    for (const Vec3& q : corners(box)) {
         const Interval about = side_of_foot<Interval>(plane, base_point, normal, is_axis, q);
         Sign sign = about.lower() > 0 ? Sign::Positive : about.upper() < 0 ? Sign::Negative : Sign::Zero;
         if (sign == Sign::Zero || radius > 0) {
@@ -244,25 +241,31 @@ Sign common_side(const Plane& plane, const Vec3& base_point, const Vec3& normal,
     return common;
 }
 
+// The side of a plane that all of the base is on from which places in this box are seen, or Zero.
+Sign side_of_base_in(const Plane& plane, const Object& base, const Box& box) {
+    const auto side_of = [&](const Vec3& p) { return dot(exact(plane.normal), from(plane.point, p)).sign(); };
+    if (const auto* ball = std::get_if<Sphere>(&base)) return side_of(ball->center);
+    if (const auto* tube = std::get_if<Cylinder>(&base)) {
+        if (are_orthogonal(exact(plane.normal), exact(tube->axis))) return side_of(tube->point);
+        return common_side(plane, tube->point, tube->axis, true, tube->radius, box);
+    }
+    const auto& front = std::get<Plane>(base);
+    if (squared_sine(exact(plane.normal), exact(front.normal)).sign() == Sign::Zero)
+        return side_of(front.point);
+    return common_side(plane, front.point, front.normal, false, 0, box);
+}
+
 }  // namespace
 
 // A point that is seen from the plane's one side and lies on the other is farther from where it is seen from
 // than from where that way meets the plane.
 Sign side_of_base(const Plane& plane, const Scene& scene) {
-    const auto side_of = [&](const Vec3& p) { return dot(exact(plane.normal), from(plane.point, p)).sign(); };
-    if (const auto* ball = std::get_if<Sphere>(&scene.base)) return side_of(ball->center);
-    if (const auto* tube = std::get_if<Cylinder>(&scene.base)) {
-        if (are_orthogonal(exact(plane.normal), exact(tube->axis))) return side_of(tube->point);
-        return common_side(plane, tube->point, tube->axis, true, tube->radius, scene.box);
-    }
-    const auto& front = std::get<Plane>(scene.base);
-    if (squared_sine(exact(plane.normal), exact(front.normal)).sign() == Sign::Zero)
-        return side_of(front.point);
-    return common_side(plane, front.point, front.normal, false, 0, scene.box);
+    const Vec3 half = 0.5 * (scene.box.max - scene.box.min);
+    return side_of_base_in(plane, scene.base, {scene.box.min - half, scene.box.max + half});
 }
 
 bool is_across(const Plane& plane, const Scene& scene, const Object& object) {
-    const Sign side = side_of_base(plane, scene);
+    const Sign side = side_of_base_in(plane, scene.base, scene.box);
     if (side == Sign::Zero) return false;
     const Plane towards{plane.point, side == Sign::Positive ? plane.normal : Vec3(-plane.normal)};
     return base_contains(towards, object);

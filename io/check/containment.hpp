@@ -17,12 +17,13 @@ bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t s
 /// Does the base contain all of an object, or as a plane have it behind its front?
 bool base_contains(const Object& base, const Object& held);
 
-/// The side of a plane that all of the base is on from which places in the box are seen: Positive where its
-/// normal points. Zero where that is not known: where the plane cuts a base plane or tube not far beyond.
-/// Pre: the plane does not cut the base in the box.
+/// The side of a plane that all of the base is on from which places in the box are seen, or in one twice as
+/// large about its middle: Positive where its normal points. Zero where that is not known: where the plane
+/// cuts a base plane or tube not far beyond. Pre: the plane does not cut the base in the box.
 Sign side_of_base(const Plane& plane, const Scene& scene);
-/// Has a plane the base on one side and the object on the other? A point on the base's side is no farther
-/// from the plane than from the object then. Pre: the plane does not cut the base in the box.
+/// Has a plane on one side all of the base from which places in the box are seen, and on the other the
+/// object? A point of the box on the base's side is no farther from the plane than from the object then. Pre:
+/// the plane does not cut the base in the box.
 bool is_across(const Plane& plane, const Scene& scene, const Object& object);
 
 }  // namespace vcell::check

@@ -127,6 +127,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "ball_behind_apex",
                              "axes_cross_beyond_base",
                              "tie_along_rim",
+                             "tube_ties_along_rim",
+                             "tube_touches_plane_beside_region",
                              "side_between_planes"}) {
         CAPTURE(name);
         const Certificate c =
