@@ -60,6 +60,7 @@ public:
         if (of_.problem.generator_ties.empty()) return;
         for (const EdgeId e : of_.diagram.edges.ids())
             if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);
+        for (const VertexId v : of_.diagram.vertices.ids()) add_generator_ties(v, cell);
     }
 
     void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
@@ -98,6 +99,33 @@ private:
             "objects " + sites + ": taken to meet in one line through " +
             to_text(of_.problem.unit * of_.problem.frame.to_world(middle.head<3>())) +
             ", not told apart within " + to_text(of_.problem.unit * narrow_tie * middle.w()));
+    }
+
+    // Where another form is nearer over all of the generator but a point, the tie has no edge, and a vertex.
+    void add_generator_ties(VertexId v, Cell& cell) {
+        const auto label = of_.diagram.label(v);
+        const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
+        auto& sites = cell.vertices[v.value].sites;
+        for (const RadialBaseProblem::GeneratorTie& tie : of_.problem.generator_ties)
+            if (tie.is_decided && has(tie.before) && has(tie.after) &&
+                give_way(tie.before, tie.after, of_.diagram.vertices[v]))
+                sites.push_back(tie.site);
+        sort_unique(sites);
+    }
+    // Two forms without roots are equally near in a vertex. Does the first give way to the second there as
+    // the angle grows? Nearness F (axial_ties.hpp) changes with it by 2 (b.w') / c0, w' being (1 - x^2, 0, -2
+    // x) / (1 + x^2) at the half angle's tangent x.
+    bool give_way(FormId first, FormId second, const MinimizationDiagram::Vertex& vertex) const {
+        const bool is_back = of_.problem.chart.is_back(vertex.point.x());
+        const Interval x = Interval::ball(vertex.point.x(), vertex.error) - Interval(is_back ? 2.0 : 0.0);
+        const auto slope = [&](FormId form) {
+            const RadialForm& f = of_.problem.family.radial_form(form);
+            const Interval on_front =
+                (f.b[0].enclosure() * (Interval(1.0) - square(x)) - f.b[2].enclosure() * Interval(2.0) * x) /
+                f.c[0].enclosure();
+            return is_back ? -on_front : on_front;
+        };
+        return (slope(second) - slope(first)).sign() == Sign::Positive;
     }
 
     // The site's nearness q is a mean of both forms' up to narrow_tie, so that its slope in the angle differs

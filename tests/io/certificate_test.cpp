@@ -128,6 +128,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "axes_cross_beyond_base",
                              "tie_along_rim",
                              "tube_ties_along_rim",
+                             "generator_in_a_corner",
                              "tube_touches_plane_beside_region",
                              "side_between_planes"}) {
         CAPTURE(name);
