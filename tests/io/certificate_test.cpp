@@ -42,14 +42,8 @@ void expect_refuted(const Cell& good, const std::string& where, const std::funct
 Scene scaled(Scene s, double unit) {
     const auto scale = [unit](Object& o) {
         if (auto* p = std::get_if<Plane>(&o)) p->point *= unit;
-        if (auto* b = std::get_if<Sphere>(&o)) {
-            b->center *= unit;
-            b->radius *= unit;
-        }
-        if (auto* c = std::get_if<Cylinder>(&o)) {
-            c->point *= unit;
-            c->radius *= unit;
-        }
+        if (auto* b = std::get_if<Sphere>(&o)) b->center *= unit, b->radius *= unit;
+        if (auto* c = std::get_if<Cylinder>(&o)) c->point *= unit, c->radius *= unit;
     };
     scale(s.base);
     for (Object& o : s.objects) scale(o);
@@ -138,9 +132,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
     }
     // Beside a node two bisectors are nearly one: where another face may begin is left open.
     const Cell node = voronoi_cell(read_scene(test_data("hostile/node_of_tubes.json")));
-    const auto touching =
-        std::ranges::count_if(node.vertices, [](const CellVertex& v) { return v.is_touching; });
-    CHECK(touching == 1);
+    CHECK(std::ranges::count(node.vertices, true, &CellVertex::is_touching) == 1);
     const Cell touched = voronoi_cell(read_scene(test_data("hostile/touching_from_above.json")));
     CHECK(touched.vertices.size() == 4);
     for (const Cell* cell : {&node, &touched}) {
