@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "mesh_shape.hpp"
+
 namespace vcell {
 
 namespace {
@@ -26,12 +28,20 @@ public:
         }
     }
 
-    PlacedPoints without_folds() && {
+    PlacedPoints without_folds(double doubt) && {
         for (const Triangle& v : t_.triangles)
             for (const std::uint32_t i : v)
                 if (i >= inner_ && is_over(v)) move(i);
-        if (std::ranges::any_of(t_.triangles, [&](const Triangle& v) { return is_over(v); })) flip_folds();
-        return {std::move(places_), std::move(normals_)};
+        PlacedPoints placed;
+        if (std::ranges::any_of(t_.triangles, [&](const Triangle& v) { return is_over(v); })) {
+            flip_folds();
+            if (clearly_over(doubt) > 0) halve_folds(doubt);
+            placed.folded = clearly_over(doubt);
+            placed.at_folds = polygon_at_folds(doubt);
+        }
+        placed.places = std::move(places_);
+        placed.normals = std::move(normals_);
+        return placed;
     }
 
 private:
@@ -84,8 +94,15 @@ private:
     // and leaves no more of them turned over, then where it leaves less.
     void flip_folds() {
         for (std::uint32_t t = 0; t < t_.triangles.size(); ++t) enter(t);
-        flip_while([&](const Pair& pair) { return pair.gain >= 0 ? -cotangents(pair) : 0; });
-        flip_while([&](const Pair& pair) { return is_told(pair) ? pair.gain : 0; });
+        std::vector<std::uint32_t> all(t_.triangles.size());
+        std::iota(all.begin(), all.end(), 0u);
+        flip(all);
+    }
+    // Returns these triangles and all that have changed.
+    std::vector<std::uint32_t> flip(const std::vector<std::uint32_t>& some) {
+        std::vector<std::uint32_t> seen =
+            flip_while(some, [&](const Pair& pair) { return pair.gain >= 0 ? -cotangents(pair) : 0; });
+        return flip_while(std::move(seen), [&](const Pair& pair) { return is_told(pair) ? pair.gain : 0; });
     }
 
     // Two triangles a, b, c and b, a, d, which become a, d, c and d, b, c.
@@ -114,8 +131,20 @@ private:
         const Triangle& w = t_.triangles[beyond->second];
         const std::uint32_t d = w[w[0] == a ? 1 : w[1] == a ? 2 : 0];
         if (c == d || sides_.contains(key(c, d)) || sides_.contains(key(d, c))) return std::nullopt;
+        const Triangle p{a, d, c}, q{d, b, c};
+        // In the parameters none becomes turned over or has nothing, as one of three points on a side that
+        // was halved has.
+        constexpr double next_to_nothing = 0x1p-20;
+        const double least = std::min(turn(p), turn(q));
+        if (!(least > next_to_nothing * (turn(v) + turn(w)) || least > std::min(turn(v), turn(w))))
+            return std::nullopt;
         const double before = folded(v) + folded(w);
-        return Pair{t, beyond->second, {a, b, c, d}, before, before - folded({a, d, c}) - folded({d, b, c})};
+        return Pair{t, beyond->second, {a, b, c, d}, before, before - folded(p) - folded(q)};
+    }
+    // Twice the signed area in the parameters.
+    double turn(const Triangle& v) const {
+        const Vec2 p = t_.points[v[1]] - t_.points[v[0]], q = t_.points[v[2]] - t_.points[v[0]];
+        return p.x() * q.y() - p.y() * q.x();
     }
     // More than rounding makes of areas.
     static bool is_told(const Pair& pair) {
@@ -134,11 +163,11 @@ private:
         constexpr double least = 0x1p-20;  // or pairs of four points on a circle would flip to and fro
         return sum < -least ? sum : 0;
     }
-    // As long as a pair's gain is above 0: of each triangle the pair that gains most.
+    // As long as a pair's gain is above 0: of each triangle that waits the pair that gains most. Returns
+    // those that waited and all that have changed.
     template <class Gain>
-    void flip_while(const Gain& gain) {
-        std::vector<std::uint32_t> waiting(t_.triangles.size());
-        std::iota(waiting.begin(), waiting.end(), 0u);
+    std::vector<std::uint32_t> flip_while(std::vector<std::uint32_t> waiting, const Gain& gain) {
+        std::vector<std::uint32_t> seen = waiting;
         constexpr std::size_t most_times = 64;  // a triangle is looked at; far more than it is
         std::size_t left = most_times * waiting.size();
         while (!waiting.empty() && left-- > 0) {
@@ -162,8 +191,96 @@ private:
             for (const std::uint32_t changed : {best->first, best->second}) {
                 enter(changed);
                 waiting.push_back(changed);
+                seen.push_back(changed);
             }
         }
+        std::ranges::sort(seen);
+        seen.erase(std::ranges::unique(seen).begin(), seen.end());
+        return seen;
+    }
+
+    // ---- More points
+
+    // Is it turned over by more than what its corners are off?
+    bool is_clearly_over(const Triangle& v, double doubt) const {
+        double longest = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            longest = std::max(longest, (places_[v[k]] - places_[v[(k + 1) % 3]]).norm());
+        return extent(v) < -doubt * longest;
+    }
+    // The area of all such triangles.
+    double clearly_over(double doubt) const {
+        double area = 0;
+        for (const Triangle& v : t_.triangles)
+            if (is_clearly_over(v, doubt)) area += 0.5 * folded(v);
+        return area;
+    }
+    // A triangle that stays turned over is longer than the surface is straight: its longest side is halved,
+    // whose middle is where the surface is, beyond the third corner. Beside a side of the polygon that is too
+    // long itself there is no end to that: then, and where it does not leave less of them, all is as before.
+    void halve_folds(double doubt) {
+        const Triangulation before = t_;
+        const double area_before = clearly_over(doubt);
+        std::vector<std::uint32_t> waiting;
+        for (std::uint32_t t = 0; t < t_.triangles.size(); ++t)
+            if (is_clearly_over(t_.triangles[t], doubt)) waiting.push_back(t);
+        constexpr std::size_t most_points = 32;  // for each of them: far more than where there is an end
+        std::size_t left = most_points * waiting.size();
+        while (!waiting.empty() && left > 0) {
+            const std::uint32_t t = waiting.back();
+            waiting.pop_back();
+            if (!is_clearly_over(t_.triangles[t], doubt)) continue;
+            const auto halved = halve_longest(t);
+            if (!halved) continue;
+            --left;
+            const std::vector<std::uint32_t> seen = flip({halved->begin(), halved->end()});
+            waiting.insert(waiting.end(), seen.begin(), seen.end());
+        }
+        if (left > 0 && clearly_over(doubt) < area_before) return;
+        t_ = before;
+        places_.resize(t_.points.size());
+        normals_.resize(t_.points.size());
+    }
+    // Four triangles in place of two, if the longest side is none of the polygon.
+    std::optional<std::array<std::uint32_t, 4>> halve_longest(std::uint32_t t) {
+        const Triangle v = t_.triangles[t];
+        const auto length = [&](std::size_t k) { return (places_[v[k]] - places_[v[(k + 1) % 3]]).norm(); };
+        std::size_t k = 0;
+        for (const std::size_t other : {1, 2})
+            if (length(other) > length(k)) k = other;
+        const std::uint32_t a = v[k], b = v[(k + 1) % 3], c = v[(k + 2) % 3];
+        const auto beyond = sides_.find(key(b, a));
+        if (beyond == sides_.end()) return std::nullopt;
+        const std::uint32_t s = beyond->second;
+        const Triangle w = t_.triangles[s];
+        const std::uint32_t d = w[w[0] == a ? 1 : w[1] == a ? 2 : 0];
+        const auto m = static_cast<std::uint32_t>(t_.points.size());
+        const auto between = [&](double part) -> Vec2 {
+            return (1 - part) * t_.points[a] + part * t_.points[b];
+        };
+        const auto place = [&](const Vec2& uv) { return surface_.evaluate(uv.x(), uv.y()); };
+        t_.points.push_back(
+            between(middle_in_space(0, 1, [&](double part) { return place(between(part)); })));
+        places_.push_back(place(t_.points[m]));
+        normals_.push_back(normal(t_.points[m]));
+        leave(t);
+        leave(s);
+        const auto t2 = static_cast<std::uint32_t>(t_.triangles.size()), s2 = t2 + 1;
+        t_.triangles[t] = {a, m, c};
+        t_.triangles[s] = {m, a, d};
+        t_.triangles.push_back({m, b, c});
+        t_.triangles.push_back({b, m, d});
+        for (const std::uint32_t changed : {t, s, t2, s2}) enter(changed);
+        return std::array{t, s, t2, s2};
+    }
+    std::vector<std::uint32_t> polygon_at_folds(double doubt) const {
+        std::vector<std::uint32_t> result;
+        for (const Triangle& v : t_.triangles) {
+            if (!is_clearly_over(v, doubt)) continue;
+            for (const std::uint32_t i : v)
+                if (i < inner_) result.push_back(i);
+        }
+        return result;
     }
 
     const RationalPatch& surface_;
@@ -272,8 +389,9 @@ private:
 
 }  // namespace
 
-PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polygon, Triangulation& t) {
-    return Placement(s, std::move(polygon), t).without_folds();
+PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polygon, double doubt,
+                                 Triangulation& t) {
+    return Placement(s, std::move(polygon), t).without_folds(doubt);
 }
 
 void separate_sides(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn) {

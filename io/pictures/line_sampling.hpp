@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -71,17 +73,34 @@ public:
         for (Line& line : lines_) settle_breaks(line.breaks);
     }
 
+    /// A piece of a line as it was sampled.
+    using Piece = std::pair<std::uint32_t, std::uint32_t>;
+
     /// The mesh's points along all lines.
     std::vector<Vec3> sample() {
         for (std::size_t e = 0; e < shell_.edges.size(); ++e)
             lines_[e].pieces = first_pieces(shell_.edges[e]);
-        // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
-        constexpr int rounds = 8;
         sampled_.resize(lines_.size());
         for (std::size_t e = 0; e < shell_.edges.size(); ++e)
             if (is_known(e)) sample_known_line(e);
         sample_lines();
+        // Chords of a coarse polyline may cross those of its neighbour where the true arcs do not.
+        constexpr int rounds = 8;
         for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
+        return std::move(points_);
+    }
+    /// As sample(), once more with these pieces halved, as far as they are not known. None if no piece was.
+    std::optional<std::vector<Vec3>> sample_halving(std::vector<Piece> pieces) {
+        std::erase_if(pieces, [&](const Piece& p) { return is_known(p.first) || is_tip(p.first); });
+        if (pieces.empty()) return std::nullopt;
+        // The last ones of a line first, so that the numbers of the others stay.
+        std::ranges::sort(pieces, std::greater());
+        pieces.erase(std::ranges::unique(pieces).begin(), pieces.end());
+        for (const auto& [line, piece] : pieces) {
+            std::vector<double>& t = sampled_[line].parameters;
+            t.insert(t.begin() + piece + 1, 0.5 * (t[piece] + t[piece + 1]));
+        }
+        sample_lines();
         return std::move(points_);
     }
     /// A shell's edge as a polyline of these points.
@@ -120,6 +139,7 @@ private:
     // Into so many parts each of a tip's sides is divided in the parameters.
     static constexpr std::size_t around_tip = 4;
 
+    bool is_tip(std::size_t line) const { return line >= shell_.edges.size() && lines_[line].uses.empty(); }
     bool is_known(std::size_t line) const {
         return line < known_.lines.size() && !known_.lines[line].empty();
     }
@@ -311,7 +331,9 @@ private:
             if (t < std::min(a, b) - slack || t > std::max(a, b) + slack) continue;
             if (is_whole && s.closing_parameter && (i == 0 || i + 1 == s.points.size()))
                 t = *s.closing_parameter;
-            result.push_back({s.points[i], c.curve.evaluate(trim_parameter(c, t)), line});
+            const std::size_t piece = a > b ? i - 1 : i;
+            result.push_back({s.points[i], c.curve.evaluate(trim_parameter(c, t)), line,
+                              static_cast<std::uint32_t>(piece)});
         }
         if (a > b) std::reverse(result.begin(), result.end());
         return result;

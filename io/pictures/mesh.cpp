@@ -79,8 +79,21 @@ public:
           lines_(shell, cell, known, chords, keeps_chord, most_triangles) {}
 
     CellMesh mesh() {
-        mesh_.points = lines_.sample();
-        std::vector<std::pair<std::size_t, std::size_t>> drawn;
+        draw(lines_.sample());
+        if (folded_ > 0) halve_lines_at_folds();
+        separate_sides(mesh_, drawn_);
+        check_size();
+        mesh_.chord = chords_.most;
+        return std::move(mesh_);
+    }
+
+private:
+    void draw(std::vector<Vec3> points) {
+        mesh_ = {};
+        mesh_.points = std::move(points);
+        drawn_.clear();
+        folded_ = 0;
+        at_folds_.clear();
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
             const std::size_t begin = mesh_.triangles.size();
             if (const auto* face = known_.face(f))
@@ -89,20 +102,37 @@ public:
                 for (const TrimmedPatch& patch : shell_.faces[f].patches) {
                     const std::size_t before = mesh_.triangles.size();
                     add_patch(patch, chords_.of_faces[f]);
-                    drawn.emplace_back(before, mesh_.triangles.size());
+                    drawn_.emplace_back(before, mesh_.triangles.size());
                     check_size();
                 }
             add_group(f, begin);
         }
-        separate_sides(mesh_, drawn);
         for (std::size_t e = 0; e < cell_.edges.size(); ++e)
             mesh_.edge_lines.push_back(lines_.points_along(e));
-        check_size();
-        mesh_.chord = chords_.most;
-        return std::move(mesh_);
     }
-
-private:
+    // Where triangles at a line are turned over, its pieces are longer than the surface is straight beside
+    // it: these are halved, and of what was drawn meanwhile the mesh stays that has least of them.
+    void halve_lines_at_folds() {
+        constexpr int most_rounds = 8;
+        CellMesh best = mesh_;
+        auto drawn_of_best = drawn_;
+        double least = folded_;
+        try {
+            for (int i = 0; i < most_rounds && folded_ > 0; ++i) {
+                std::optional<std::vector<Vec3>> points = lines_.sample_halving(at_folds_);
+                if (!points) break;
+                draw(*std::move(points));
+                if (!(folded_ < least)) continue;
+                best = mesh_;
+                drawn_of_best = drawn_;
+                least = folded_;
+            }
+        } catch (const TooFine&) {
+            // The best so far was not.
+        }
+        mesh_ = std::move(best);
+        drawn_ = std::move(drawn_of_best);
+    }
     // What closes the shell comes after the cell's faces: walls and ends together, the base in the end.
     void add_group(std::uint32_t f, std::size_t begin) {
         using Kind = CellMesh::Group::Kind;
@@ -139,6 +169,28 @@ private:
         return places;
     }
 
+    // How far points of the polygons may be off the patch: by the errors of their lines, and rounding.
+    double doubt_at(const std::vector<std::vector<LoopPoint>>& loops) const {
+        double error = 0, size = 0;
+        for (const auto& loop : loops)
+            for (const LoopPoint& p : loop) {
+                if (p.line < shell_.edges.size()) error = std::max(error, shell_.edges[p.line].error);
+                size = std::max(size, mesh_.points[p.point].cwiseAbs().maxCoeff());
+            }
+        constexpr double rounding = 0x1p-44;
+        return 2 * error + rounding * size;
+    }
+    // The sides at these points, counted loop by loop, are too long.
+    void keep_folds(const std::vector<std::vector<LoopPoint>>& loops,
+                    const std::vector<std::uint32_t>& points) {
+        for (std::size_t i : points) {
+            auto loop = loops.begin();
+            for (; i >= loop->size(); ++loop) i -= loop->size();
+            for (const LoopPoint& p : {(*loop)[i], (*loop)[(i + loop->size() - 1) % loop->size()]})
+                at_folds_.push_back({p.line, p.piece});
+        }
+    }
+
     void add_patch(const TrimmedPatch& patch, double chord) {
         const RationalPatch& s = patch.surface;
         const std::vector<std::vector<LoopPoint>> loops = lines_.polygons(patch);
@@ -161,7 +213,9 @@ private:
             uv, [&](const Vec2& a, const Vec2& b) { return deviation(s, back * a, back * b) > chord; },
             point.size() + left / 2 + 1);
         for (Vec2& p : t.points) p = back * p;
-        const PlacedPoints placed = place_without_folds(s, places_of(point), t);
+        const PlacedPoints placed = place_without_folds(s, places_of(point), doubt_at(loops), t);
+        folded_ += placed.folded;
+        keep_folds(loops, placed.at_folds);
         const auto first_normal = static_cast<std::uint32_t>(mesh_.normals.size());
         const bool has_tip = std::ranges::any_of(
             patch.loops, [](const auto& loop) { return std::ranges::any_of(loop, &TrimCurve::is_tip); });
@@ -182,6 +236,9 @@ private:
     std::size_t most_triangles_;
     LineSampling lines_;
     CellMesh mesh_;
+    std::vector<std::pair<std::size_t, std::size_t>> drawn_;  // ranges of triangles, each of a patch
+    double folded_ = 0;                                       // the area of triangles turned over
+    std::vector<LineSampling::Piece> at_folds_;               // of lines at these
 };
 
 }  // namespace

@@ -25,6 +25,20 @@ bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord);
 /// Does the image of a curve of parameters leave the segment between its ends so far?
 bool strays(const RationalPatch& s, const RationalCurve2& curve, double from, double to, double chord);
 
+/// Between two parameters of a line that `place` tells in space, the one that is about as far from both ends
+/// there, however unevenly the line is run through.
+template <class Place>
+double middle_in_space(double from, double to, const Place& place) {
+    const Vec3 begin = place(from), end = place(to);
+    constexpr int halvings = 12;
+    for (int i = 0; i < halvings; ++i) {
+        const double middle = 0.5 * (from + to);
+        const Vec3 p = place(middle);
+        ((p - begin).squaredNorm() < (p - end).squaredNorm() ? from : to) = middle;
+    }
+    return 0.5 * (from + to);
+}
+
 /// Parameters turned and stretched so that triangles that are round in them are about as round in space: a
 /// linear map whose square is the patch's metric, each place's of determinant 1, in the mean of these places.
 /// The identity where that is not worth the rounding.

@@ -14,7 +14,8 @@ namespace vcell {
 struct LoopPoint {
     std::uint32_t point;  ///< of the mesh
     Vec2 uv;
-    std::uint32_t line;  ///< the edge or seam that starts or goes on here
+    std::uint32_t line;   ///< the edge or seam that starts or goes on here
+    std::uint32_t piece;  ///< of the line as it was sampled, from here to the next point
 };
 
 /// Do the segments from a to b and from c to d cross, each inside the other's ends? Plain doubles.

@@ -252,7 +252,7 @@ private:
                 for (int k = 0; k < steps; ++k) {
                     const double s = static_cast<double>(use.reversed ? steps - k : k) / steps;
                     const Vec3 p = curve.evaluate((1 - s) * curve.domain_begin() + s * curve.domain_end());
-                    polygons.back().push_back({0, {x.dot(p), y.dot(p)}, i});
+                    polygons.back().push_back({0, {x.dot(p), y.dot(p)}, i, 0});
                 }
             }
         }

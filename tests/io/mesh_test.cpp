@@ -471,13 +471,22 @@ TEST_CASE("mesh: triangles in needles and slits are not turned over") {
         options.closed = true;
         return std::pair(tessellate(cell, options), cell.measures.area + cell.measures.box_area);
     };
-    for (const char* name : {"far_corners", "tip_beside_side"}) {
-        CAPTURE(name);
-        CHECK(folded_area(mesh_of(name, 1e-3).first) <= 1e-14);
-    }
+    for (const char* name : {"far_corners", "tip_beside_side", "needle_beside_plane", "needle_in_tube",
+                             "line_touches_tube", "hole_below_errors"})
+        for (const double chord : {1e-2, 1e-3}) {
+            CAPTURE(name);
+            CAPTURE(chord);
+            const auto [mesh, area] = mesh_of(name, chord);
+            CHECK(is_closed(mesh));
+            CHECK(folded_area(mesh) <= 1e-14 * area);
+        }
     // Half of the slit was twofold.
     const auto [slit, area] = mesh_of("slit_beside_ball", 1e-2);
     CHECK(folded_area(slit) <= 1e-3 * area);
+    // Half a percent of the patches that bend around the line was.
+    const auto [bend, bend_area] = mesh_of("line_near_tube", 1e-2);
+    CHECK(is_closed(bend));
+    CHECK(folded_area(bend) <= 3e-4 * bend_area);
 }
 
 TEST_CASE("mesh: a rim that does not close is told") {
