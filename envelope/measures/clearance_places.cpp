@@ -12,6 +12,7 @@
 
 #include "../../primitives/bases/axial_terms.hpp"
 #include "../object_distance.hpp"
+#include "face_at.hpp"
 
 namespace vcell {
 
@@ -67,17 +68,19 @@ Core core_of(const Object& object) {
     return core;
 }
 
-// The points of two cores that are nearest to each other. None where that leaves them free to slide: then
-// what is true of one place is true of others, as far as the edges of a face.
-std::optional<std::array<Vec3, 2>> nearest_points(const Core& a, const Core& b) {
+// The points of two cores that are nearest to each other. Where that leaves them free to slide what is true
+// of one place is true of others, as far as the edges of a face: then those near `middle`.
+std::array<Vec3, 2> nearest_points(const Core& a, const Core& b, const Vec3& middle) {
     const int n = a.dimension + b.dimension;
-    if (n > 3) return std::nullopt;
+    const Vec3 aside = a.foot(b.foot(middle));
+    const std::array<Vec3, 2> sliding{aside, b.foot(aside)};
+    if (n > 3) return sliding;
     constexpr double all_but_parallel = 0x1p-40;  // farther off they would be known to no digits
     Eigen::Matrix3d ways = Eigen::Matrix3d::Zero(), gram = Eigen::Matrix3d::Identity();
     for (int k = 0; k < a.dimension; ++k) ways.col(k) = a.along[k];
     for (int k = 0; k < b.dimension; ++k) ways.col(a.dimension + k) = -b.along[k];
     gram.topLeftCorner(n, n) = (ways.transpose() * ways).topLeftCorner(n, n);
-    if (!(std::abs(gram.determinant()) > all_but_parallel)) return std::nullopt;
+    if (!(std::abs(gram.determinant()) > all_but_parallel)) return sliding;
     const Vec3 s = gram.inverse() * (ways.transpose() * (b.point - a.point));
     std::array<Vec3, 2> points{a.point, b.point};
     points[0] += ways.leftCols(a.dimension) * s.head(a.dimension);
@@ -87,10 +90,8 @@ std::optional<std::array<Vec3, 2>> nearest_points(const Core& a, const Core& b) 
 
 // Places on the bisector of two cores where the ray from the first one meets the second one's surface at a
 // right angle.
-void add_places_head_on(const Core& base, const Core& object, std::vector<Vec3>& places) {
-    const auto nearest = nearest_points(base, object);
-    if (!nearest) return;
-    const auto& [from, to] = *nearest;
+void add_places_head_on(const Core& base, const Core& object, const Vec3& middle, std::vector<Vec3>& places) {
+    const auto [from, to] = nearest_points(base, object, middle);
     const Vec3 way = to - from;
     const double far = way.norm();
     // Where the cores meet, a common perpendicular has two senses.
@@ -99,8 +100,10 @@ void add_places_head_on(const Core& base, const Core& object, std::vector<Vec3>&
         directions = {way / far};
     else if (base.dimension + object.dimension == 0)
         directions = {Vec3::UnitX()};
-    else if (base.dimension == 1 && object.dimension == 1)
-        directions = {base.along[0].cross(object.along[0]).normalized()};
+    else if (base.dimension == 1 && object.dimension == 1) {
+        const Vec3 across = base.along[0].cross(object.along[0]);
+        directions = {across.norm() > 0 ? across.normalized() : perpendicular_to(base.along[0])};
+    }
     for (const Vec3& d : directions)
         for (const double sense : {-1.0, 1.0}) {
             const double L = sense * far,
@@ -277,7 +280,7 @@ private:
         if (object.cone != nullptr)
             add_places_at_wall(base_, *object.cone, places);
         else
-            add_places_head_on(base_, object, places);
+            add_places_head_on(base_, object, 0.5 * (scene_.box.min + scene_.box.max), places);
         if (object.is_hollow && object.dimension == 1) add_tips(base_, object, places);
         return places;
     }
@@ -296,10 +299,29 @@ private:
             std::vector<Site> sites{face.site};
             sites.insert(sites.end(), face.extra_sites.begin(), face.extra_sites.end());
             std::ranges::sort(sites);
-            const auto of_site = std::ranges::count(cell_.faces, face.site, &CellFace::site);
-            best_[which] = {p, *bound, c, 0, std::move(sites), {}, {}, {}};
-            if (of_site == 1) best_[which]->face = f;
+            best_[which] = {p, *bound, c, 0, std::move(sites), {}, {}, face_at(cell_, face.site, p)};
         }
+    }
+
+    // By how much an object is farther from a point than the base is, and a bound on its error. Of two balls
+    // from the difference of squares, which their centres may all but share.
+    struct Excess {
+        double value, error;
+    };
+    Excess excess(std::size_t place, const Vec3& p) const {
+        const Core& core = cores_[place];
+        if (base_.dimension == 0 && core.dimension == 0 && !core.is_hollow) {
+            const Vec3 from_base = p - base_.point, from_ball = p - core.point,
+                       apart = base_.point - core.point;
+            const double sum = from_base.norm() + from_ball.norm(), radii = base_.radius - core.radius;
+            if (sum > 0) {
+                // The vectors' own rounding is a part of coordinates.
+                const double part = (from_base + from_ball).dot(apart) / sum;
+                return {part + radii, distance_rounding *
+                                          (apart.norm() * (1 + p.cwiseAbs().sum() / sum) + std::abs(radii))};
+            }
+        }
+        return {distance_from(scene_.objects[place], p) - clearance(p), rounding(core)};
     }
 
     // A length within which the boundary is met before and behind p on its ray.
@@ -311,14 +333,16 @@ private:
         double off = rounding(base_);
         if (site.is_object()) {
             const std::size_t place = scene_.place(site.index);
-            const double own = rounding(cores_[place]),
-                         apart = std::abs(distance_from(scene_.objects[place], p) - clearance(p));
+            const double own = rounding(cores_[place]), apart = std::abs(excess(place, p).value);
             // Where an object is behind the base, or within it, rays meet it in other places.
             if (!(apart <= 16 * own)) return std::nullopt;
             off = own + apart;
         }
         const double reach = 4 * off;
-        if (!is_inside(p - reach * u) || !is_outside(site, p + reach * u)) return std::nullopt;
+        // Rays around a base begin inside, on its axis or in its centre.
+        const bool is_at_begin = !normal_ && out.norm() <= reach;
+        if (!(is_at_begin || is_inside(p - reach * u)) || !is_outside(site, p + reach * u))
+            return std::nullopt;
         return reach;
     }
 
@@ -327,17 +351,19 @@ private:
         for (int k = 0; k < 3; ++k)
             if (!(p[k] - scene_.box.min[k] > own && scene_.box.max[k] - p[k] > own)) return false;
         if (scene_.probe && !(r < *scene_.probe - own)) return false;
-        for (std::size_t i = 0; i < cores_.size(); ++i)
-            if (scene_.competes(i) && !(distance_from(scene_.objects[i], p) > r + rounding(cores_[i])))
-                return false;
+        for (std::size_t i = 0; i < cores_.size(); ++i) {
+            if (!scene_.competes(i)) continue;
+            const auto [value, error] = excess(i, p);
+            if (!(value > error)) return false;
+        }
         return true;
     }
     bool is_outside(Site site, const Vec3& p) const {
         const double r = clearance(p), own = rounding(base_);
         if (site == Site::cap()) return r > *scene_.probe + own;
         if (site.is_object()) {
-            const std::size_t i = scene_.place(site.index);
-            return distance_from(scene_.objects[i], p) < r - rounding(cores_[i]);
+            const auto [value, error] = excess(scene_.place(site.index), p);
+            return value < -error;
         }
         const unsigned k = site.index / 2;
         return site.index % 2 == 1 ? p[k] > scene_.box.max[k] + own : p[k] < scene_.box.min[k] - own;

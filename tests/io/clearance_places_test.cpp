@@ -15,6 +15,8 @@
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
 #include "../../io/files/cell_file.hpp"
+#include "../../io/files/scene_file.hpp"
+#include "../../io/pictures/mesh.hpp"
 #include "../test_support.hpp"
 #include "damages.hpp"
 #include "listing.hpp"
@@ -127,6 +129,51 @@ TEST_CASE("clearance places: head on between a base and an object") {
     Scene side = scene_of(Sphere{{0, 0, 0}, 1}, {Sphere{{9, 0, 0}, 0.5}}, 10);
     side.box.min.y() = -2;
     check_place(clearance_places(voronoi_cell(side)).least, {0, -2, 0}, 1, {Site::box_side(2)});
+}
+
+TEST_CASE("clearance places: of the faces of one site the one that holds the place is told") {
+    // A tube cuts the plane's face in two, on either side of the place.
+    for (const double x : {-0.9, 0.9}) {
+        CAPTURE(x);
+        const Cell cell = voronoi_cell(scene_of(
+            Sphere{{0, 0, 0}, 0.5}, {Plane{{0, 0, 1}, {0, 0, 1}}, Cylinder{{x, 0, 1}, {0.1, 1, 0}, 0.2}}, 4));
+        REQUIRE(std::ranges::count(cell.faces, Site::object(0), &CellFace::site) == 2);
+        const auto least = clearance_places(cell).least;
+        check_place(least, {0, 0, 0.75}, 0.25, {Site::object(0)});
+        REQUIRE(least->face);
+        const CellMesh mesh = tessellate(cell);
+        double nearest = 1e300;
+        std::uint32_t of_nearest = UINT32_MAX;
+        for (const CellMesh::Group& group : mesh.groups)
+            for (std::size_t t = group.begin; t < group.end; ++t)
+                for (const std::uint32_t p : mesh.triangles[t])
+                    if (const double off = (mesh.points[p] - least->point).norm(); off < nearest) {
+                        nearest = off;
+                        of_nearest = group.face;
+                    }
+        CHECK(least->face == of_nearest);
+    }
+}
+
+TEST_CASE("clearance places: between balls that are all but one") {
+    for (const char* name : {"ball_at_the_base", "points_and_ball_at_the_base"}) {
+        CAPTURE(name);
+        const Cell cell = voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json")));
+        const auto least = clearance_places(cell).least;
+        REQUIRE(least);
+        CHECK(least->face);
+        CHECK(std::abs(least->clearance - cell.measures.min_clearance) <= least->clearance_error);
+        CHECK(least->point.norm() <= least->error + 1e-15);
+    }
+}
+
+TEST_CASE("clearance places: along a tube, where edges are told to no digits") {
+    const Cell cell = voronoi_cell(read_scene(test_data("hostile/narrow_slit_along_tube.json")));
+    const auto least = clearance_places(cell).least;
+    REQUIRE(least);
+    CHECK(least->face);
+    CHECK(std::abs(least->clearance - 5e-9) <= 1e-15);
+    CHECK(least->error < 1e-7);
 }
 
 TEST_CASE("clearance places: in vessels, where clearance is greatest inside of a face") {
