@@ -9,7 +9,7 @@ int main(int, char** arguments) {
     const vcell::Cell cell = vcell::voronoi_cell(scene);
     const vcell::CellMesh mesh = vcell::tessellate(cell, {.closed = true});
     vcell::write_file(folder + "/cell.json", cell);  // the format is the ending's: .step, .vtu, ...
-    vcell::write_file(folder + "/cell.obj", cell, &mesh);
+    vcell::write_file(folder + "/cell.obj", cell, mesh);
 
     const vcell::Certificate certificate = vcell::certify(vcell::read_cell(folder + "/cell.json"));
     const auto answer = vcell::PointQuery(scene)((scene.box.min + scene.box.max) / 2);

@@ -15,7 +15,9 @@
 
 namespace vcell {
 
-void write_file(const std::string& path, const Cell& cell, const CellMesh* mesh) {
+namespace {
+
+void write_as_named(const std::string& path, const Cell& cell, const CellMesh* mesh) {
     std::string ending = std::filesystem::path(path).extension().string();
     if (ending == ".stp") ending = ".step";
     const bool is_labelled = ending.size() > 1 && is_mesh_format(ending.substr(1));
@@ -47,6 +49,13 @@ void write_file(const std::string& path, const Cell& cell, const CellMesh* mesh)
         write_mesh(out, ending.substr(1), labelled);
     }
     file.commit();
+}
+
+}  // namespace
+
+void write_file(const std::string& path, const Cell& cell) { write_as_named(path, cell, nullptr); }
+void write_file(const std::string& path, const Cell& cell, const CellMesh& mesh) {
+    write_as_named(path, cell, &mesh);
 }
 
 }  // namespace vcell

@@ -9,9 +9,11 @@ namespace vcell {
 
 /// Writes the cell in the format of the path's ending: .json, .svg, .html, .obj, .stl, .ply, .vtu, .glb,
 /// .3mf, .step or .itd, as write_cell() and the others write it; a .obj without materials. Formats of
-/// triangles take `mesh`, or by default tessellate(cell). The file is complete or untouched (OutputFile).
+/// triangles take the cell's `mesh`, or without it tessellate(cell). The file is complete or untouched
+/// (OutputFile).
 /// Throws std::invalid_argument for other endings, and for .html where three.js was missing when vcell was
 /// built; WriteError; and what the formats' own functions throw.
-void write_file(const std::string& path, const Cell& cell, const CellMesh* mesh = nullptr);
+void write_file(const std::string& path, const Cell& cell);
+void write_file(const std::string& path, const Cell& cell, const CellMesh& mesh);
 
 }  // namespace vcell

@@ -365,7 +365,10 @@ void bind_files(py::module_& m) {
         "write",
         [](const Cell& cell, const std::filesystem::path& path, const CellMesh* mesh) {
             const py::gil_scoped_release unlocked;
-            write_file(path.string(), cell, mesh);
+            if (mesh != nullptr)
+                write_file(path.string(), cell, *mesh);
+            else
+                write_file(path.string(), cell);
         },
         py::arg("cell"), py::arg("path"), py::arg("mesh") = py::none(),
         "Writes the cell in the format of the path's ending: .json, .svg, .html (a page to look at), .obj, .stl, .ply, "
