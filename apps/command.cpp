@@ -55,6 +55,15 @@ void require_pages(const std::string& target) {
             target == "-" ? "html" : target));
 }
 
+std::optional<Box> box_argument(const std::vector<double>& corners) {
+    if (corners.empty()) return std::nullopt;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (!(corners[k] < corners[k + 3]))
+            throw UsageError(fmt::format("--box: {0}0 must be < {0}1 = {2}, is {1}", "XYZ"[k], corners[k],
+                                         corners[k + 3]));
+    return Box{{corners[0], corners[1], corners[2]}, {corners[3], corners[4], corners[5]}};
+}
+
 std::vector<std::string> arguments(int argc, const char* const* argv) {
     std::vector<std::string> all;
     for (int i = argc - 1; i > 0; --i) {
@@ -70,6 +79,14 @@ std::string number_complaint(const std::string& text) {
         to_double(std::string_view(text).substr(text.starts_with('+') ? 1 : 0));
     return value && std::isfinite(*value) ? ""
                                           : fmt::format("must be a finite number, is {}", printable(text));
+}
+
+std::string positive_complaint(const std::string& text) {
+    const std::string complaint = number_complaint(text);
+    if (!complaint.empty()) return complaint;
+    return *to_double(std::string_view(text).substr(text.starts_with('+') ? 1 : 0)) > 0
+               ? ""
+               : fmt::format("must be > 0, is {}", printable(text));
 }
 
 std::string count_complaint(const std::string& text) {

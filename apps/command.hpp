@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../core/errors.hpp"
+#include "../primitives/objects/scene.hpp"
 
 namespace vcell {
 
@@ -53,6 +54,9 @@ auto about_file(const std::string& path, const char* name, F f) {
 /// Whether every question was decided; a warning where coincidences were taken for granted.
 Status report_assumed(std::uint64_t assumed);
 
+/// The box of a --box; none where that is not given. Throws UsageError where it has no inside.
+std::optional<Box> box_argument(const std::vector<double>& corners);
+
 /// A length, or in percent of the cell's diagonal: "0.01", "0.1%".
 struct Chord {
     double value = 0;
@@ -66,6 +70,7 @@ std::vector<std::string> arguments(int argc, const char* const* argv);
 
 // The option parser asks these before it converts: an empty answer is consent.
 std::string number_complaint(const std::string& text);
+std::string positive_complaint(const std::string& text);
 std::string count_complaint(const std::string& text);
 std::string chord_complaint(const std::string& text);
 

@@ -182,6 +182,8 @@ Status DiagramCommand::run() const {
     };
     std::vector<DiagramPicture> pictures;
     for (const std::string& name : outputs_) pictures.push_back(open_picture(name, cut_, open));
+    if (!cut_.empty() && std::ranges::none_of(pictures, [](const auto& p) { return p.format == "svg"; }))
+        throw UsageError("--cut: is the plane of an .svg, and no --output is one");
     OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_),
                *voids = open(network_), *moments = open(moments_);
     const bool is_summary_shown =
@@ -242,7 +244,9 @@ Status DiagramCommand::run() const {
     for (const auto& file : files) file->close();
     for (const auto& file : files) file->commit();
 
-    std::size_t computed = 0, empty = 0, walls = 0;
+    // Fibres that cross at random leave every other one without a cell.
+    constexpr std::size_t most_named = 10;
+    std::size_t computed = 0, empty = 0, walls = 0, refused = 0, lacking = 0;
     std::uint64_t assumed = 0;
     for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
         const DiagramCell& cell = diagram.cells[i];
@@ -253,9 +257,17 @@ Status DiagramCommand::run() const {
         if (!pictures.empty() && cell.state == DiagramCell::State::Computed && !is_drawn[i])
             warn(fmt::format("{} object {}: its cell is measured, but has no faces",
                              has_meshes ? "no picture of" : "no cell in the file of", i));
-        if (cell.state == DiagramCell::State::Undecided || cell.state == DiagramCell::State::Refused)
-            warn(fmt::format("no cell of object {}: {}", i, cell.reason));
+        if (cell.state != DiagramCell::State::Undecided && cell.state != DiagramCell::State::Refused)
+            continue;
+        if (cell.state == DiagramCell::State::Refused) ++refused;
+        if (++lacking <= most_named)
+            warn(fmt::format("no cell of object {}, the base here: {}", i, cell.reason));
     }
+    if (lacking > most_named)
+        warn(fmt::format(
+            "{} objects have no cells, {} of them as they cut or touch others, {} undecided; the columns "
+            "state and reason of --cells FILE name each",
+            lacking, refused, lacking - refused));
     for (const std::string& fault : table.faults) warn(fault);
     const FilledVolume sum = filled_volume(scene, diagram), bodies = body_volume(scene, diagram);
     if (is_summary_shown) {

@@ -40,7 +40,7 @@ void DiagramSceneArguments::add_to(CLI::App& command) {
         .add_option("--probe", probe_,
                     "radius of a probe: cells end at this clearance, as contacts do, and exposed_area is the "
                     "accessible surface")
-        ->check(number_complaint)
+        ->check(positive_complaint)
         ->type_name("R");
     files_.add_to(command, "Files of balls");
     files_.add_groups_to(command, "Files of balls");
@@ -49,7 +49,7 @@ void DiagramSceneArguments::add_to(CLI::App& command) {
 DiagramSceneOptions DiagramSceneArguments::options() const {
     DiagramSceneOptions options;
     options.files = files_.options();
-    if (!box_.empty()) options.box = Box{{box_[0], box_[1], box_[2]}, {box_[3], box_[4], box_[5]}};
+    options.box = box_argument(box_);
     if (!periodic_.empty()) {
         const auto has = [&](char axis) { return periodic_.find(axis) != periodic_.npos; };
         options.periodic = {has('x'), has('y'), has('z')};

@@ -90,9 +90,12 @@ Status DrawCommand::run() const {
     options.elevation = view.y();
     options.size = size_;
     options.has_objects = has_objects_;
-    for (std::size_t i = 0; i + 5 < clips_.size(); i += 6)
+    for (std::size_t i = 0; i + 5 < clips_.size(); i += 6) {
+        if (clips_[i + 3] == 0 && clips_[i + 4] == 0 && clips_[i + 5] == 0)
+            throw UsageError("--clip: the normal NX NY NZ must not be zero");
         options.clips.push_back(
             {{clips_[i], clips_[i + 1], clips_[i + 2]}, {clips_[i + 3], clips_[i + 4], clips_[i + 5]}});
+    }
     const Cell drawn = cell();
     write_png(file.stream(), draw_view(drawn, tessellate(drawn), options));
     file.commit();

@@ -48,7 +48,7 @@ Scene SceneArgument::parse(std::string_view text) const {
     };
     if (has_base_->count() > 0) options.base_ball = base_;
     if (!base_plane_.empty()) options.base_plane = Plane{vec(base_plane_, 0), vec(base_plane_, 3)};
-    if (!box_.empty()) options.box = Box{vec(box_, 0), vec(box_, 3)};
+    options.box = box_argument(box_);
     return parse_scene(text, options);
 }
 

@@ -440,8 +440,10 @@ int run(int argc, char** argv) {
     app.get_formatter()->column_width(option_width);
     app.set_version_flag("--version", "vcell " VCELL_VERSION);
     app.require_subcommand(1);
-    app.failure_message([](const CLI::App*, const CLI::Error& e) {
-        return fmt::format("vcell: {}; \"vcell --help\" tells more\n", e.what());
+    app.failure_message([](const CLI::App* program, const CLI::Error& e) {
+        const auto used = program->get_subcommands();
+        return fmt::format("vcell: {}; \"vcell {}--help\" tells more\n", e.what(),
+                           used.empty() ? "" : used.front()->get_name() + ' ');
     });
     Compute compute(app);
     DrawCommand draw(app);

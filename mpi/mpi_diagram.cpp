@@ -194,7 +194,8 @@ Status MpiDiagram::conclude(Ranks& ranks, const SceneParts& parts, const Ordered
         if (cell.state == State::Empty) ++empty;
         if (cell.state == State::Wall) ++walls;
         if (cell.state == State::Undecided || cell.state == State::Refused)
-            warnings.push_back(fmt::format("no cell of object {}: {}", ordered.first + i, cell.reason));
+            warnings.push_back(
+                fmt::format("no cell of object {}, the base here: {}", ordered.first + i, cell.reason));
     }
     warn_of(ranks, warnings);
     warn_of(ranks, ordered.faults);

@@ -312,6 +312,17 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(cells[1][3] == "refused");
     CHECK(cells[2][3] == "refused");
     CHECK(cells[3][3] == "computed");
+    // Of many that have no cells ten are named.
+    std::string crossing = R"({"vcell": 1, "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "objects": [)";
+    for (int i = 0; i < 12; ++i)
+        crossing += (i > 0 ? "," : "") + std::string(R"({"cylinder": {"point": [0, 0, 0], "axis": [)") +
+                    std::to_string(i + 1) + R"(, 7, 5], "radius": 0.1}})";
+    work.write("crossing.json", crossing + "]}");
+    const Outcome fibres = work.run("diagram crossing.json --bodies");
+    CHECK(fibres.status == 3);
+    CHECK(std::count(fibres.err.begin(), fibres.err.end(), '\n') == 11);
+    CHECK(fibres.err.find("12 objects have no cells, ") != std::string::npos);
+    CHECK(table(fibres.out)[1][0] == "0");
 }
 
 TEST_CASE("program: diagram with a probe tells the accessible surface and the contacts within its reach") {
@@ -332,7 +343,7 @@ TEST_CASE("program: diagram with a probe tells the accessible surface and the co
     CHECK(exposed(3) == doctest::Approx(16 * pi));
     REQUIRE(contacts.size() == 2);
     CHECK(std::stod(contacts[1][6]) == doctest::Approx(3 * pi));
-    CHECK(work.run("diagram balls.txt --probe 0").status == 2);
+    CHECK(work.run("diagram balls.txt --probe 0").status == 1);
     // The cap has patches: the third cell is all of a ball of radius 2.
     REQUIRE(work.run("diagram balls.txt --probe 1 --moments moments.tsv -o all.obj").status == 0);
     CHECK(work.read("all.obj").find("cap") != std::string::npos);

@@ -269,6 +269,11 @@ TEST_CASE("program: mistakes are said in one line") {
            "--chord: must be a length above 0 or a percentage"},
           {"compute " + scene + " -o a.obj --triangles 0", 1, "--triangles: must be a number from 1"},
           {"measure balls.xyzr --base 0 --box 0 0 0 1 1 x", 1, "--box: must be a finite number, is x"},
+          {"measure balls.xyzr --base 0 --box 0 0 0 1 -1 1", 1, "--box: Y0 must be < Y1 = -1, is 0"},
+          {"diagram balls.xyzr --probe 0", 1,
+           "--probe: must be > 0, is 0; \"vcell diagram --help\" tells more"},
+          {"diagram balls.xyzr -o all.vtu --cut z=0", 1,
+           "--cut: is the plane of an .svg, and no --output is one"},
           {"check " + scene, 2, scene + ": this is a scene, not a cell"},
           {"measure cell.json", 2, "cell.json: this is a cell, not a scene"},
           {"measure atoms.pdb --base 0", 2, "atoms.pdb: line 2: '3.6x5' is not a number"},
@@ -450,8 +455,9 @@ TEST_CASE("program: draw makes the same picture of a scene and of its cell, and 
         REQUIRE(work.run("draw cell.json -o other.png --size 64 " + std::string(other)).status == 0);
         CHECK(work.read("other.png") != picture);
     }
-    for (const char* wrong : {"-o cell.gif", "", "-o cell.png --view 1", "-o cell.png --view 0,91",
-                              "-o cell.png --clip 0 0 0 1 0", "-o cell.png --size 0"})
+    for (const char* wrong :
+         {"-o cell.gif", "", "-o cell.png --view 1", "-o cell.png --view 0,91",
+          "-o cell.png --clip 0 0 0 1 0", "-o cell.png --clip 0 0 0 0 0 0", "-o cell.png --size 0"})
         CHECK(work.run(std::string("draw cell.json ") + wrong).status == 1);
     CHECK(work.run("draw - -o cell.png", "{\"vcell\": 1, \"scene\": {}}").status == 2);
 }
