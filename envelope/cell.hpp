@@ -217,8 +217,8 @@ void name_cap(Cell& cell, Site cap, double probe);
 /// The other way round: the cap is the last of the scene's objects, which has no probe. Pre: it has one.
 Cell with_cap_as_object(Cell cell);
 
-/// Of a cell that is one of a whole diagram's (Scene::numbers, Scene::images): its sites name objects by
-/// their places in its scene, which is one of its own then.
+/// The sites of a cell that is one of a whole diagram's (Scene::numbers, Scene::images) name objects by their
+/// places in its scene from here on, so that the cell stands for itself.
 void number_by_places(Cell& cell);
 
 /// All lengths, areas and volumes of the cell but its scene, in a unit `factor` times as small, exact for a

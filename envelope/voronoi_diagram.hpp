@@ -118,8 +118,8 @@ VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& 
 
 /// The diagram after `objects[number]` has become `object`: only cells that the old or the new one may touch
 /// are computed again, or all where it makes the grid of a box that repeats a coarser or a finer one. Pre:
-/// the diagram is that of the scene. The scene is changed, too. Throws as voronoi_diagram() does, and leaves
-/// both as they were then.
+/// the diagram is that of the scene. The scene is changed, too. Throws as voronoi_diagram() does; what is no
+/// scene is refused before anything is changed.
 void update(VoronoiDiagram& diagram, DiagramScene& scene, std::uint32_t number, const Object& object,
             const DiagramOptions& options = {});
 

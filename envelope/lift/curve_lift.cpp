@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "../measures/measures.hpp"
 #include "edge_fits.hpp"
 #include "edge_lift.hpp"
 #include "face_loops.hpp"
@@ -21,7 +20,6 @@ public:
     CurveLift(const RadialDiagram& of, double tolerance, Wanted wanted, unsigned threads)
         : EdgeLift(of, threads),
           wanted_(wanted),
-          threads_(threads),
           loops_(of.diagram),
           patches_(of, loops_, curves_, threads, false),
           fits_(of, patches_, curves_, tolerance, threads) {
@@ -38,9 +36,6 @@ public:
         if (!is_wanted(e)) return {0, 0};
         return EdgeLift::set_curve(e, ends, curve);
     }
-    void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
-        measure_all_around(of_.problem, of_.diagram, positions, cell, threads_);
-    }
 
 private:
     bool is_wanted(EdgeId e) const {
@@ -50,7 +45,6 @@ private:
     }
 
     const Wanted wanted_;
-    const unsigned threads_;
     FaceLoops loops_;
     radial::FacePatches patches_;
     radial::EdgeFits fits_;

@@ -103,7 +103,7 @@ public:
     void to_world(EdgeId e, const BaseFrame& frame, RationalCurve3& curve) const;
 
 private:
-    // Of the conics of a task.
+    // Which of a task's conics are an edge's.
     struct Slice {
         std::uint32_t task = 0, first = 0, last = 0;
     };

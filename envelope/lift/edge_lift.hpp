@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "../measures/measures.hpp"
 #include "based_diagram.hpp"
 #include "cell_assembly.hpp"
 #include "edge_equations.hpp"
@@ -18,12 +19,20 @@
 
 namespace vcell {
 
-/// A Lift (cell_assembly.hpp) without patches and measures, which those that have some extend. The conics
+/// A Lift (cell_assembly.hpp) without patches, which those that have some extend. The conics
 /// around a sphere are there from the beginning; splines and conics around a cylinder are fitted later.
 class EdgeLift {
 public:
     static constexpr bool is_shareable = true;
 
+    EdgeLift(const RadialDiagram& of, unsigned threads)
+        : of_(of),
+          threads_(threads),
+          origin_(of.problem.frame.origin.norm()),
+          equations_(of, threads),
+          vertices_(of, equations_, threads),
+          curves_(of, vertices_, equations_),
+          decisions_(add_sphere_arcs(of_, curves_, threads)) {}
     EdgeLift(const EdgeLift&) = delete;
     EdgeLift& operator=(const EdgeLift&) = delete;
 
@@ -49,17 +58,11 @@ public:
     }
 
     void finish(Cell& cell) const { radial::add_ring_sites(of_, curves_, cell); }
-    void measure(const IdVector<EdgeId, double>&, Cell&) const {}
+    void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
+        measure_all_around(of_.problem, of_.diagram, positions, cell, threads_);
+    }
 
 protected:
-    EdgeLift(const RadialDiagram& of, unsigned threads)
-        : of_(of),
-          origin_(of.problem.frame.origin.norm()),
-          equations_(of, threads),
-          vertices_(of, equations_, threads),
-          curves_(of, vertices_, equations_),
-          decisions_(add_sphere_arcs(of_, curves_, threads)) {}
-
     struct WorldCurve {
         double far;       // from the frame's origin or the world's, of the curve and all that is near it
         double rounding;  // of what is moved back to the world there
@@ -73,6 +76,7 @@ protected:
     }
 
     const RadialDiagram of_;
+    const unsigned threads_;
     const double origin_;  // how far the frame's is from the world's
     const radial::EdgeEquations equations_;
     const radial::RadialVertices vertices_;

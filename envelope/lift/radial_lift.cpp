@@ -8,7 +8,6 @@
 #include "../../primitives/forms/axial_ties.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 #include "../../primitives/objects/message.hpp"
-#include "../measures/measures.hpp"
 #include "edge_errors.hpp"
 #include "edge_fits.hpp"
 #include "edge_lift.hpp"
@@ -27,7 +26,6 @@ class RadialLift : public EdgeLift {
 public:
     RadialLift(const RadialDiagram& of, double tolerance, unsigned threads)
         : EdgeLift(of, threads),
-          threads_(threads),
           loops_(of.diagram),
           patches_(of, loops_, curves_, threads),
           fits_(of, patches_, curves_, tolerance, threads),
@@ -61,10 +59,6 @@ public:
         for (const EdgeId e : of_.diagram.edges.ids())
             if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);
         for (const VertexId v : of_.diagram.vertices.ids()) add_generator_ties(v, cell);
-    }
-
-    void measure(const IdVector<EdgeId, double>& positions, Cell& cell) const {
-        measure_all_around(of_.problem, of_.diagram, positions, cell, threads_);
     }
 
 private:
@@ -145,7 +139,6 @@ private:
         return 2 * narrow_tie * away * std::hypot(1, steepest) / apart;
     }
 
-    const unsigned threads_;
     FaceLoops loops_;
     radial::FacePatches patches_;
     radial::EdgeFits fits_;

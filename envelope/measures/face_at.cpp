@@ -69,17 +69,18 @@ bool is_within_trims(const TrimmedPatch& patch, const Vec2& at) {
                 }
             }
     // A curve is farther from its chord than in the middle by less than twice, where it bends one way.
-    return std::lround(turned / (2 * std::numbers::pi)) == 1 && nearest > 2 * bent + 0x1p-40;
+    constexpr double rounding = 0x1p-40;  // of parameters, a part of the domain
+    return std::lround(turned / (2 * std::numbers::pi)) == 1 && nearest > 2 * bent + rounding;
 }
 
 }  // namespace
 
 std::optional<std::uint32_t> face_at(const Cell& cell, Site site, const Vec3& p) {
-    constexpr double near = 1e-6;  // of the box: patches of one site are of one surface, on which p is
-    const double apart = near * (cell.scene.box.max - cell.scene.box.min).norm();
     if (std::ranges::count(cell.faces, site, &CellFace::site) == 1)
         return static_cast<std::uint32_t>(std::ranges::find(cell.faces, site, &CellFace::site) -
                                           cell.faces.begin());
+    constexpr double near = 1e-6;  // of the box: patches of one site are of one surface, on which p is
+    const double apart = near * cell.scene.box.diagonal();
     std::optional<std::uint32_t> found;
     for (std::uint32_t f = 0; f < cell.faces.size(); ++f) {
         if (cell.faces[f].site != site) continue;

@@ -29,8 +29,8 @@ constexpr std::size_t most_small_pieces_in_place = 5000, small_pieces_of_form = 
 // do with each other, 80,000 times in all along a line that hardly leaves a plane; forms that all but
 // coincide want it as often as the square of the region's size over their distance.
 constexpr std::size_t most_splits = 80000, splits_of_form = 250;
-// Of so many generations of halves all are blocks that are not plain by then. Where there are as many at a
-// time, threads look at those before.
+// A piece that is not plain after so many halvings of the region is a block. Threads look at larger ones
+// where so many are there at a time.
 constexpr unsigned generations = 5;
 constexpr std::size_t worth_threads = 4;
 
@@ -161,7 +161,7 @@ private:
         const Rectangle& r = part.piece.rect;
         candidates = analysis_->rivals().cull({r.x0, r.x1, r.y0, r.y1}, candidates);
         if (std::ranges::all_of(candidates, [&](FormId f) { return family.is_circular(f); }))
-            // Of the floor alone there is nothing to merge: it stays one of the pieces that follow.
+            // The floor alone has nothing to merge: a piece of it stays one of those that follow.
             if (std::vector<FormId> others = without_floor(candidates); !others.empty()) {
                 steps.all.emplace_back(Circular{part.piece, std::move(others), share});
                 return std::nullopt;

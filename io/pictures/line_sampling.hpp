@@ -89,7 +89,7 @@ public:
         for (int i = 0; i < rounds && refine_crossing_lines(); ++i) sample_lines();
         return std::move(points_);
     }
-    /// As sample(), once more with these pieces halved, as far as they are not known. None if no piece was.
+    /// Samples once more, with these pieces halved, as far as they are not known. None if no piece was.
     std::optional<std::vector<Vec3>> sample_halving(std::vector<Piece> pieces) {
         std::erase_if(pieces, [&](const Piece& p) { return is_known(p.first) || is_tip(p.first); });
         if (pieces.empty()) return std::nullopt;

@@ -45,7 +45,7 @@ double deviation(const RationalPatch& s, const Vec2& a, const Vec2& b) {
     return most;
 }
 
-// Of a curve from at(0) to at(1).
+// Does a curve from at(0) to at(1) leave its chord as strays() asks? Three places tell.
 template <class At>
 static bool strays(const At& at, double chord) {
     const Vec3 from = at(0.0), to = at(1.0);

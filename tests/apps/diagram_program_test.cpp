@@ -312,7 +312,7 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(cells[1][3] == "refused");
     CHECK(cells[2][3] == "refused");
     CHECK(cells[3][3] == "computed");
-    // Of many that have no cells ten are named.
+    // Ten objects are named where many have no cells.
     std::string crossing = R"({"vcell": 1, "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "objects": [)";
     for (int i = 0; i < 12; ++i)
         crossing += (i > 0 ? "," : "") + std::string(R"({"cylinder": {"point": [0, 0, 0], "axis": [)") +
