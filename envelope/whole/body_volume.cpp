@@ -128,8 +128,18 @@ struct BodyRay {
     Vec3 from, direction;
 };
 
-// How far along a ray an object is as near as the base's surface, where that is before `radius`: at distance
-// t its distance is t - radius. (The quadratics of primitives/forms/radial_form.hpp.)
+// The object with an axis of length 1.
+Object with_unit_axis(Object object) {
+    std::visit(
+        [](auto& o) {
+            if constexpr (requires { o.axis; }) o.axis = o.axis.stableNormalized();
+        },
+        object);
+    return object;
+}
+
+// How far along a ray an object, its axis of length 1, is as near as the base's surface, where that is before
+// `radius`: at distance t its distance is t - radius. (The quadratics of primitives/forms/radial_form.hpp.)
 double nearest_along(const Object& object, const BodyRay& ray, double radius) {
     constexpr double never = std::numeric_limits<double>::infinity();
     // A^2 t^2 + 2 B t = C. Where C > 0 the object is farther than the base in the ray's beginning, and one
@@ -147,7 +157,7 @@ double nearest_along(const Object& object, const BodyRay& ray, double radius) {
         return first(m.squaredNorm() - delta * delta, delta - m.dot(ray.direction), 0, delta);
     }
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
-        const Vec3 a = tube->axis.stableNormalized(), m = (ray.from - tube->point).cross(a);
+        const Vec3 &a = tube->axis, m = (ray.from - tube->point).cross(a);
         const double delta = tube->radius - radius, along = ray.direction.dot(a);
         return first(m.squaredNorm() - delta * delta, delta - m.dot(ray.direction.cross(a)), along * along,
                      delta);
@@ -158,15 +168,14 @@ double nearest_along(const Object& object, const BodyRay& ray, double radius) {
         return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction), 0, reach);
     }
     if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
-        const Vec3 a = vessel->axis.stableNormalized(), m = (ray.from - vessel->point).cross(a);
+        const Vec3 &a = vessel->axis, m = (ray.from - vessel->point).cross(a);
         const double reach = vessel->radius + radius, along = ray.direction.dot(a);
         return first(reach * reach - m.squaredNorm(), reach + m.dot(ray.direction.cross(a)), -along * along,
                      reach);
     }
     if (const auto* vessel = std::get_if<HollowCone>(&object)) {
         // Behind the apex C > 0 is that of the wall's other half.
-        const Vec3 w = vessel->axis.stableNormalized(), m = ray.from - vessel->apex,
-                   across = m - m.dot(w) * w;
+        const Vec3 &w = vessel->axis, m = ray.from - vessel->apex, across = m - m.dot(w) * w;
         const double sine = vessel->sine(), cosine = vessel->cosine(), along = ray.direction.dot(w),
                      reach = sine * m.dot(w) + radius, out = cosine * across.norm();
         if (!(reach > 0)) return 0;
@@ -181,8 +190,8 @@ double nearest_along(const Object& object, const BodyRay& ray, double radius) {
 // the angle about the axis, or about z, and v the height along it, of a ball the cosine from z.
 class LostVolume {
 public:
-    LostVolume(const Object& body, const Box& box, std::vector<Object> others)
-        : box_(box), others_(std::move(others)) {
+    LostVolume(const Object& body, const Box& box, const std::vector<Object>& others) : box_(box) {
+        std::ranges::transform(others, std::back_inserter(others_), with_unit_axis);
         if (const auto* ball = std::get_if<Sphere>(&body)) {
             origin_ = ball->center;
             radius_ = ball->radius;
@@ -211,7 +220,9 @@ public:
     }
 
     BodyVolume operator()() {
-        find_parts({range_, {-std::numbers::pi, std::numbers::pi}, 0, 0}, 0);
+        Part whole{range_, {-std::numbers::pi, std::numbers::pi}, {}};
+        for (const Object& o : others_) whole.near.push_back(&o);
+        find_parts(std::move(whole), 0);
         // The worst is halved, the longer way, until the error is as small a part as wanted, or the budget is
         // spent.
         std::priority_queue<Part> parts(parts_.begin(), parts_.end());
@@ -226,13 +237,11 @@ public:
             parts.pop();
             error -= worst.error;
             volume -= worst.volume;
-            const std::array<Part, 4> all = halves(worst);
-            const std::size_t way = worst.is_along ? 0 : 2;
-            for (const Part& half : {all[way], all[way + 1]}) {
-                const Part p = measured(half);
+            for (Part& half : halves(worst, worst.is_along)) {
+                Part p = measured(std::move(half));
                 error += p.error;
                 volume += p.volume;
-                parts.push(p);
+                parts.push(std::move(p));
             }
         }
         // Anew, without the rounding of what was taken away.
@@ -250,7 +259,10 @@ private:
     static constexpr int most_halvings = 4000;
     struct Part {
         std::array<double, 2> v, w;
-        double volume, error;
+        // The others that may overlap the part of the surface: none else overlaps anything of what is under
+        // it.
+        std::vector<const Object*> near;
+        double volume = 0, error = 0;
         bool is_along = true;  // the way that is to be halved
 
         friend bool operator<(const Part& a, const Part& b) { return a.error < b.error; }
@@ -261,19 +273,18 @@ private:
         return {origin_, v * axis_ + std::sqrt(std::max(0.0, 1 - v * v)) * across};
     }
 
-    // What overlaps nothing of a part of the surface overlaps nothing of what is under it.
-    void find_parts(const Part& part, int depth) {
+    void find_parts(Part part, int depth) {
         constexpr int deepest = 9, least_depth = 3;
-        if (is_clear(part)) return;
+        drop_the_far(part);
+        if (part.near.empty()) return;
         if (depth >= least_depth && (depth >= deepest || reach(part) < 0.125 * radius_)) {
-            parts_.push_back(measured(part));
+            parts_.push_back(measured(std::move(part)));
             return;
         }
         // The longer way is halved; long tubes are cut into pieces first.
         const bool is_long = power_ == 2 && along(part) > radius_;
-        for (const Part& half : along(part) > around(part) ? std::array{halves(part)[0], halves(part)[1]}
-                                                           : std::array{halves(part)[2], halves(part)[3]})
-            find_parts(half, is_long ? depth : depth + 1);
+        for (Part& half : halves(part, along(part) > around(part)))
+            find_parts(std::move(half), is_long ? depth : depth + 1);
     }
     // No point of a part of the surface is farther than that from its middle, along and around the axis.
     double along(const Part& part) const {
@@ -281,11 +292,11 @@ private:
     }
     double around(const Part& part) const { return 0.5 * radius_ * (part.w[1] - part.w[0]); }
     double reach(const Part& part) const { return along(part) + around(part); }
-    bool is_clear(const Part& part) const {
+    void drop_the_far(Part& part) const {
         const BodyRay middle = ray(0.5 * (part.v[0] + part.v[1]), 0.5 * (part.w[0] + part.w[1]));
         const Vec3 p = middle.from + radius_ * middle.direction;
-        return std::ranges::all_of(
-            others_, [&](const Object& o) { return distance_from(o, p) > reach(part) * (1 + 0x1p-20); });
+        const double near = reach(part) * (1 + 0x1p-20);
+        std::erase_if(part.near, [&](const Object* o) { return distance_from(*o, p) > near; });
     }
     static double cap_extent(const std::array<double, 2>& v) {
         const double middle = std::acos(std::clamp(0.5 * (v[0] + v[1]), -1.0, 1.0));
@@ -293,14 +304,17 @@ private:
                         std::abs(std::acos(std::clamp(v[1], -1.0, 1.0)) - middle));
     }
 
-    // By v, and by w.
-    static std::array<Part, 4> halves(const Part& p) {
-        const double v = 0.5 * (p.v[0] + p.v[1]), w = 0.5 * (p.w[0] + p.w[1]);
-        return {Part{{p.v[0], v}, p.w, 0, 0}, Part{{v, p.v[1]}, p.w, 0, 0}, Part{p.v, {p.w[0], w}, 0, 0},
-                Part{p.v, {w, p.w[1]}, 0, 0}};
+    static std::array<Part, 2> halves(const Part& p, bool is_along) {
+        std::array<Part, 2> half{Part{p.v, p.w, p.near}, Part{p.v, p.w, p.near}};
+        const std::array<double, 2>& way = is_along ? p.v : p.w;
+        (is_along ? half[0].v : half[0].w)[1] = (is_along ? half[1].v : half[1].w)[0] =
+            0.5 * (way[0] + way[1]);
+        return half;
     }
 
     Part measured(Part part) const {
+        drop_the_far(part);
+        if (part.near.empty()) return part;
         part.volume = integral<6, 6>(part);
         part.error = std::abs(part.volume - integral<4, 4>(part));
         // The way of which fewer points change more; where they tell nothing the longer one.
@@ -309,7 +323,7 @@ private:
         part.is_along = by_v != by_w ? by_v > by_w : along(part) > around(part);
         // Beside the points of the rule an object may overlap a margin of a 29th of the part, half as deep.
         constexpr double margin = 0.034;
-        if (part.volume == 0 && !is_clear(part))
+        if (part.volume == 0)
             part.error = 0.5 * margin * margin * reach(part) * std::pow(radius_, power_ - 1) *
                          (part.v[1] - part.v[0]) * (part.w[1] - part.w[0]);
         return part;
@@ -326,13 +340,13 @@ private:
                 for (const double a : {-1.0, 1.0})
                     for (const double b : {-1.0, 1.0})
                         sum += rule_v.weight[i] * rule_w.weight[j] *
-                               lost(ray(mv + a * hv * rule_v.x[i], mw + b * hw * rule_w.x[j]));
+                               lost(ray(mv + a * hv * rule_v.x[i], mw + b * hw * rule_w.x[j]), part.near);
         return sum * hv * hw;
     }
 
     // What a ray loses: between where it comes into the box and where it leaves it or the body, what is
     // beyond the nearest other object.
-    double lost(const BodyRay& ray) const {
+    double lost(const BodyRay& ray, const std::vector<const Object*>& near) const {
         double in = 0, out = radius_;
         for (int k = 0; k < 3; ++k) {
             const double d = ray.direction[k], low = box_.min[k] - ray.from[k],
@@ -346,7 +360,7 @@ private:
         }
         if (!(in < out)) return 0;
         double end = out;
-        for (const Object& o : others_) end = std::min(end, nearest_along(o, ray, radius_));
+        for (const Object* o : near) end = std::min(end, nearest_along(*o, ray, radius_));
         if (!(end < out)) return 0;
         end = std::max(end, in);
         return power_ == 2 ? 0.5 * (out - end) * (out + end)
@@ -354,7 +368,7 @@ private:
     }
 
     const Box& box_;
-    const std::vector<Object> others_;
+    std::vector<Object> others_;
     Vec3 origin_, axis_ = Vec3::UnitZ(), x_, y_;
     double radius_ = 0;
     int power_ = 2;  // of t in the volume under the rays
