@@ -46,7 +46,6 @@ public:
     void clear() { data_.clear(); }
     void resize(std::size_t n, const T& value = T()) { data_.resize(n, value); }
     void reserve(std::size_t n) { data_.reserve(n); }
-    void shrink_to_fit() { data_.shrink_to_fit(); }
     T& back() { return data_.back(); }
     auto begin() { return data_.begin(); }
     auto end() { return data_.end(); }

@@ -75,8 +75,6 @@ private:
 
 }  // namespace
 
-double bernstein_scale(std::size_t n) { return static_cast<double>(scale(n)); }
-
 // Coefficient k of the product is sum C(m, i) C(n, k - i) p_i q_(k - i) / C(m + n, k) [Farin02, 6].
 std::vector<Exact> bernstein_scaled_product(std::span<const Exact> p, std::span<const Exact> q) {
     const std::size_t m = p.size() - 1, n = q.size() - 1;

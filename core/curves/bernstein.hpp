@@ -38,11 +38,9 @@ std::vector<T> bernstein_restricted(std::span<const T> c, const T& from, const T
     return r;
 }
 
-/// The product, of degree deg p + deg q, times bernstein_scale(deg p + deg q): without divisions, so exact
-/// for exact coefficients.
+/// The product, of degree n = deg p + deg q, times the least common multiple of C(n, 0), ..., C(n, n):
+/// without divisions, so exact for exact coefficients. Pre: n <= 32.
 std::vector<Exact> bernstein_scaled_product(std::span<const Exact> p, std::span<const Exact> q);
-/// The least common multiple of C(n, 0), ..., C(n, n). Pre: n <= 32.
-double bernstein_scale(std::size_t n);
 /// The derivative, of degree n - 1. Pre: n >= 1.
 std::vector<Exact> bernstein_derivative(std::span<const Exact> c);
 
