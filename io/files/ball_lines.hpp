@@ -65,12 +65,13 @@ inline double radius_of(std::string_view kind, const BallFileOptions& options, s
     return *known;
 }
 
-/// A whole number that is not negative.
-inline std::size_t parse_count(std::string_view word, std::size_t line) {
+/// A whole number that is not negative; `what` says what it counts, in a complaint.
+inline std::size_t parse_count(std::string_view word, std::size_t line,
+                               std::string_view what = "a number of atoms") {
     std::size_t value = 0;
     const bool is_number =
         !word.empty() && word.size() < 16 && word.find_first_not_of("0123456789") == std::string_view::npos;
-    if (!is_number) fail_line(line, fmt::format("must be a number of atoms, is '{}'", printable(word)));
+    if (!is_number) fail_line(line, fmt::format("must be {}, is '{}'", what, printable(word)));
     for (const char digit : word) value = 10 * value + static_cast<std::size_t>(digit - '0');
     return value;
 }

@@ -22,8 +22,8 @@ struct Key {
     std::string name, value;
 };
 
-// key=value pairs of an extended XYZ file's second line; values with blanks are in quotes or braces. A word
-// without '=' is a key that is true.
+// key=value pairs of an extended XYZ file's second line, perhaps with blanks around the sign; values with
+// blanks are in quotes or braces. A word without '=' is a key that is true.
 std::vector<Key> keys_of(std::string_view line, std::size_t number) {
     std::vector<Key> keys;
     for (std::size_t at = 0;;) {
@@ -31,9 +31,9 @@ std::vector<Key> keys_of(std::string_view line, std::size_t number) {
         if (at == line.size()) return keys;
         const std::size_t end = std::min(line.find_first_of(" \t=", at), line.size());
         Key key{std::string(line.substr(at, end - at)), "T"};
-        at = end;
+        at = std::min(line.find_first_not_of(" \t", end), line.size());
         if (at < line.size() && line[at] == '=') {
-            ++at;
+            at = std::min(line.find_first_not_of(" \t", at + 1), line.size());
             const char open = at < line.size() ? line[at] : ' ';
             const char close = open == '{' ? '}' : open;
             if (open == '"' || open == '\'' || open == '{') {
@@ -80,7 +80,9 @@ XyzColumns xyz_columns(const Key& properties, std::size_t line) {
     XyzColumns columns{0, SIZE_MAX, SIZE_MAX, {}, {}, properties.value};
     for (std::size_t i = 0; i < parts.size(); i += 3) {
         const std::string& name = parts[i];
-        const std::size_t count = parse_count(parts[i + 2], line), at = columns.count;
+        const std::size_t count = parse_count(parts[i + 2], line, "a number of columns"), at = columns.count;
+        for (std::size_t k = 0; k < i; k += 3)
+            if (parts[k] == name) fail(fmt::format("{} is there twice", printable(name)));
         const auto must_have = [&](std::size_t expected, const char* type) {
             if (count != expected || parts[i + 1] != type)
                 fail(fmt::format("{} must be {}:{}", printable(name), type, expected));
@@ -95,6 +97,7 @@ XyzColumns xyz_columns(const Key& properties, std::size_t line) {
             must_have(1, "R");
             columns.radius = at;
         } else if (name == "id") {
+            if (count != 1) fail("id must be one column");
             columns.name = at;
         }
         columns.count += count;
@@ -139,10 +142,20 @@ struct XyzFrame {
     std::optional<Eigen::Matrix3d> turn;
 };
 
+// Does a line give this key a value?
+bool assigns(std::string_view line, std::string_view key) {
+    for (std::size_t at = 0; (at = line.find(key, at)) != line.npos;) {
+        at += key.size();
+        const std::size_t sign = line.find_first_not_of(" \t", at);
+        if (sign != line.npos && line[sign] == '=') return true;
+    }
+    return false;
+}
+
 XyzFrame xyz_frame(std::string_view comment, std::size_t line, BallFile& file) {
     XyzFrame frame;
     // Any text may stand in the second line of a plain XYZ file.
-    if (comment.find("Lattice=") == comment.npos && comment.find("Properties=") == comment.npos) return frame;
+    if (!assigns(comment, "Lattice") && !assigns(comment, "Properties")) return frame;
     std::optional<Eigen::Matrix3d> lattice;
     std::optional<std::array<bool, 3>> periodic;
     for (const Key& key : keys_of(comment, line)) {
@@ -265,14 +278,33 @@ void read_dump_atoms(const DumpColumns& columns, std::size_t count, Lines& lines
             ball.center[k] = parse_number(words[columns.place[static_cast<std::size_t>(k)]], line);
         if (columns.is_scaled) ball.center = file.box->min + edges * ball.center;
         if (columns.radius)
-            ball.radius = parse_number(words[*columns.radius], line);
+            ball.radius = parse_radius(words[*columns.radius], line);
         else if (columns.diameter)
-            ball.radius = 0.5 * parse_number(words[*columns.diameter], line);
+            ball.radius = 0.5 * parse_radius(words[*columns.diameter], line);
         else
             ball.radius = radius_of(words[columns.element ? *columns.element : *columns.type], options, line);
         file.balls.push_back(ball);
         if (columns.id) file.names.emplace_back(words[*columns.id]);
         if (columns.molecule) file.groups.emplace_back(words[*columns.molecule]);
+    }
+}
+
+}  // namespace
+
+namespace {
+
+// Behind the atoms of the frame that is read only empty lines and what begins another frame may be. Anything
+// else is an atom more than the file counts, or is not understood.
+void expect_frame_end(Lines& lines, std::size_t count, bool (*begins_frame)(std::string_view)) {
+    while (!lines.at_end()) {
+        const std::string_view line = lines.next();
+        if (words_of(line).empty()) continue;
+        if (!begins_frame(line))
+            fail_line(
+                lines.number(),
+                fmt::format("must begin another frame, as all {} atoms of this one are before it, is '{}'",
+                            count, printable(line)));
+        return;
     }
 }
 
@@ -309,7 +341,7 @@ BallFile parse_xyz(std::string_view text, const BallFileOptions& options) {
             for (std::size_t k = 0; k < 3; ++k)
                 ball.center[static_cast<Eigen::Index>(k)] = parse_number(words[columns.place + k], line);
             if (frame.turn) ball.center = *frame.turn * ball.center;
-            ball.radius = columns.radius ? parse_number(words[*columns.radius], line)
+            ball.radius = columns.radius ? parse_radius(words[*columns.radius], line)
                                          : radius_of(words[columns.species], options, line);
             file.balls.push_back(ball);
             if (columns.name)
@@ -317,6 +349,10 @@ BallFile parse_xyz(std::string_view text, const BallFileOptions& options) {
             else if (columns.species != SIZE_MAX)
                 file.names.emplace_back(words[columns.species]);
         }
+        expect_frame_end(lines, count, [](std::string_view begin) {
+            const std::string_view number = next_word(begin);
+            return number.find_first_not_of("0123456789") == number.npos && next_word(begin).empty();
+        });
         return file;
     }
 }
@@ -331,7 +367,7 @@ BallFile parse_lammps_dump(std::string_view text, const BallFileOptions& options
         const std::string_view line = lines.next();
         if (!item(line, "TIMESTEP").empty()) {
             std::string_view timestep = lines.expect("the timestep");
-            parse_count(next_word(timestep), lines.number());
+            parse_count(next_word(timestep), lines.number(), "a timestep");
             ++frames;
             count.reset();
             file = {};
@@ -349,6 +385,8 @@ BallFile parse_lammps_dump(std::string_view text, const BallFileOptions& options
                 fail_line(lines.number(), "atoms come after their number and the BOX BOUNDS");
             if (frames - 1 == wanted) {
                 read_dump_atoms(dump_columns(list, lines.number()), *count, lines, options, file);
+                expect_frame_end(lines, *count,
+                                 [](std::string_view begin) { return begin.starts_with("ITEM:"); });
                 return file;
             }
             for (std::size_t i = 0; i < *count; ++i) lines.expect("an atom");

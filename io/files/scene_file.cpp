@@ -247,7 +247,8 @@ void read_ball_lines(std::string_view text, std::string_view form, std::size_t m
         for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
             if (count == 4 + most_words) fail("more");
             if (count < 4)
-                numbers[count] = parse_number(word, line_number);
+                numbers[count] =
+                    count < 3 ? parse_number(word, line_number) : parse_radius(word, line_number);
             else
                 words.push_back(word);
         }

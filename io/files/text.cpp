@@ -116,4 +116,13 @@ double parse_number(std::string_view word, std::size_t line_number) {
     return *value;
 }
 
+double parse_radius(std::string_view word, std::size_t line_number) {
+    const double radius = parse_number(word, line_number);
+    if (radius < 0)
+        throw InputError(InputError::Kind::NegativeRadius, InputError::no_object,
+                         fmt::format("line {}", line_number),
+                         fmt::format("a radius must be >= 0, is {}", printable(word)));
+    return radius;
+}
+
 }  // namespace vcell

@@ -34,5 +34,7 @@ std::optional<double> to_double(std::string_view word);
 
 /// The finite number that a word spells. Throws InputError "line <n>: ..." for anything else.
 double parse_number(std::string_view word, std::size_t line_number);
+/// The radius that a word spells: a finite number that is not negative. Throws as parse_number() does.
+double parse_radius(std::string_view word, std::size_t line_number);
 
 }  // namespace vcell

@@ -200,6 +200,10 @@ TEST_CASE("ball file: XYZ, plain and extended") {
     const BallFile second = read(frames, second_frame());
     CHECK(second.balls[0].radius == 1.55);
     CHECK(second.periodic == std::array{true, false, true});
+    // Other programs leave blanks around the sign.
+    CHECK(read("1\nLattice = \"4 0 0 0 5 0 0 0 6\" pbc= \"T F T\"\nC 0 0 0\n").periodic ==
+          std::array{true, false, true});
+    CHECK(!read("1\nLattice of nothing = \"4\nC 0 0 0\n").box);
     // fcc's vectors are turned: lengths, angles and distances stay.
     const BallFile turned = read("1\nLattice=\"0 2 2 2 0 2 2 2 0\" Origin=\"1 0 0\"\nC 1 0.5 0.25\n");
     const Eigen::Matrix3d edges =
@@ -231,6 +235,17 @@ TEST_CASE("ball file: mistakes in XYZ files are named by line") {
     CHECK(complaint("1\nProperties=pos:R:2:species:S:1\n0 0 C\n") == "line 2: Properties: pos must be R:3");
     CHECK(complaint("1\nProperties=species:S:1:pos:R:3 pbc=\"T T T\"\nC 0 0 0\n") ==
           "line 2: pbc: a box that repeats needs a Lattice");
+    CHECK(complaint("1\nProperties=id:I:0:pos:R:3:radius:R:1\n0 0 0 1\n") ==
+          "line 2: Properties: id must be one column");
+    CHECK(complaint("1\nProperties=pos:R:3:radius:R:1:pos:R:3\n0 0 0 1 2 2 2\n") ==
+          "line 2: Properties: pos is there twice");
+    CHECK(complaint("1\nProperties=pos:R:3:radius:R:x\n0 0 0 1\n") ==
+          "line 2: must be a number of columns, is 'x'");
+    CHECK(complaint("1\nProperties=pos:R:3:radius:R:1\n0 0 0 -1\n") ==
+          "line 3: a radius must be >= 0, is -1");
+    CHECK(complaint("1\n\nC 0 0 0\n\nC 1 1 1\n") ==
+          "line 5: must begin another frame, as all 1 atoms of this one are before it, is 'C 1 1 1'");
+    CHECK(complaint("1\n\nC 0 0 0\n2\n\n") == "");
     CHECK(complaint("1\n\nC 0 0 0\n", second_frame()) ==
           "--frame: must be less than the number of frames, 1, is 1");
 }
@@ -284,6 +299,11 @@ TEST_CASE("ball file: mistakes in dumps are named by line") {
     CHECK(complaint("ITEM: TIMESTEP\n0\nITEM: NUMBERS\n") == "line 3: 'ITEM: NUMBERS' is no item of a dump");
     CHECK(complaint("ITEM: TIMESTEP\n0\nITEM: ATOMS x y z radius\n") ==
           "line 3: atoms come after their number and the BOX BOUNDS");
+    CHECK(wrong(cube, "id x y z radius", "1 0 0 0 1\n2 0 0 0 1\n3 0 0 0 1\n") ==
+          "line 22: must begin another frame, as all 2 atoms of this one are before it, is '3 0 0 0 1'");
+    CHECK(wrong(cube, "id x y z diameter", "1 0 0 0 1\n2 0 0 0 -1\n") ==
+          "line 21: a radius must be >= 0, is -1");
+    CHECK(complaint("ITEM: TIMESTEP\nnow\n") == "line 2: must be a timestep, is 'now'");
     CHECK(complaint("ITEM: NUMBER OF ATOMS\n0\n") == "line 1: a dump begins with ITEM: TIMESTEP");
 }
 

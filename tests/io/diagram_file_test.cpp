@@ -65,6 +65,7 @@ TEST_CASE("diagram file: lines of balls with names and groups") {
 TEST_CASE("diagram file: mistakes are named with their place") {
     CHECK(complaint("0 0 0 1 a b c\n") == "line 1: must be x y z r [name [group]], has more");
     CHECK(complaint("0 0 0 1\n1 2 x\n").starts_with("line 2: "));
+    CHECK(complaint("# radii\n0 0 0 1\n1 2 3 -4 CA\n") == "line 3: a radius must be >= 0, is -4");
     CHECK(complaint("# nothing\n").starts_with("--box: missing"));
     CHECK(
         complaint(

@@ -273,7 +273,7 @@ TEST_CASE("scene file: mistakes in plain balls name the line, or the option") {
     CHECK(text_complaint("0 0 inf 1\n", plane) == "line 1: must be a finite number, is inf");
     CHECK(text_complaint("0 0 1e999 1\n", plane) == "line 1: must be a finite number, is 1e999");
     CHECK(text_complaint("0 0 +-1 1\n", plane) == "line 1: '+-1' is not a number");
-    CHECK(text_complaint("0 0 1 1\n0 0 1 -1\n", plane) == "objects[1].sphere.radius: must be >= 0, is -1");
+    CHECK(text_complaint("0 0 1 1\n0 0 1 -1\n", plane) == "line 2: a radius must be >= 0, is -1");
     CHECK(text_complaint("# nothing\n", plane) == "--box: missing, and there is no ball to derive it from");
     CHECK(text_complaint("0 0 1 1\n", {}) ==
           "--base: missing, and so is --base-plane: a file of balls does not say what its base is");
