@@ -67,16 +67,14 @@ DiagramScene parse_json(std::string_view text) {
     DiagramScene scene;
     std::optional<Object> base;
     std::string base_name, base_group;
-    bool is_among = false;
+    std::optional<std::uint32_t> base_object;
     in.object(
         required_member("vcell", [&] { read_format_version(in); }),
         optional_member("base", [&] { base = read_object(in, base_name, &base_group); }),
         required_member("objects", [&] { read_objects(in, scene.objects, scene.names, &scene.groups); }),
-        optional_member("base_object",
-                        [&] {
-                            in.unsigned_integer(UINT32_MAX - 1);
-                            is_among = true;
-                        }),
+        optional_member(
+            "base_object",
+            [&] { base_object = static_cast<std::uint32_t>(in.unsigned_integer(UINT32_MAX - 1)); }),
         required_member("box", [&] { scene.box = read_box(in); }),
         optional_member("periodic",
                         [&] { in.array_of(3, [&](std::size_t i) { scene.periodic[i] = in.boolean(); }); }),
@@ -85,7 +83,16 @@ DiagramScene parse_json(std::string_view text) {
         optional_member("units", [&] { scene.units = in.string(); }),
         optional_member("tolerance", [&] { scene.tolerance = in.number(); }));
     in.end();
-    if (base && !is_among) {
+    if (base_object) {
+        const auto fail = [](const std::string& what) {
+            throw InputError(InputError::Kind::OutOfRange, InputError::no_object, "base_object", what);
+        };
+        if (*base_object >= scene.objects.size())
+            fail(fmt::format("must be less than the number of objects, {}, is {}", scene.objects.size(),
+                             *base_object));
+        if (base && scene.objects[*base_object] != *base)
+            fail(fmt::format("objects[{}] is not the base", *base_object));
+    } else if (base) {
         const auto append = [&](std::vector<std::string>& texts, std::string last) {
             if (texts.empty() && last.empty()) return;
             texts.resize(scene.objects.size());

@@ -46,6 +46,15 @@ TEST_CASE("diagram file: a base that is among the objects is there once") {
         R"({"vcell": 1, "base": {"sphere": {"center": [1, 2, 3], "radius": 0.5}}, "base_object": 0,
             "objects": [{"sphere": {"center": [1, 2, 3], "radius": 0.5}}], "box": {"min": [0, 0, 0], "max": [4, 5, 6]}})");
     CHECK(scene.objects.size() == 1);
+    // Where the base is another ball, or none of them, its cell would be missing without a word.
+    const auto with_base = [](const std::string& radius, const std::string& number) {
+        return complaint(R"({"vcell": 1, "base": {"sphere": {"center": [1, 2, 3], "radius": )" + radius +
+                         R"(}}, "base_object": )" + number + R"(,
+            "objects": [{"sphere": {"center": [1, 2, 3], "radius": 0.5}}], "box": {"min": [0, 0, 0], "max": [4, 5, 6]}})");
+    };
+    CHECK(with_base("0.5", "0") == "");
+    CHECK(with_base("0.25", "0") == "base_object: objects[0] is not the base");
+    CHECK(with_base("0.5", "1") == "base_object: must be less than the number of objects, 1, is 1");
 }
 
 TEST_CASE("diagram file: lines of balls with names and groups") {
