@@ -129,10 +129,24 @@ std::string column(const std::vector<std::string>& texts, std::size_t i) {
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : "-"; }
 
-std::string group_of(const DiagramScene& scene, std::uint32_t i) {
-    const std::string group = column(scene.groups, i);
-    return group == "-" ? std::to_string(i) : group;
-}
+// The names of the groups, by which they are told apart: an object without a group is one of its own, called
+// by its number, or, where a group has that name, by `object` and its number.
+class GroupNames {
+public:
+    explicit GroupNames(const DiagramScene& scene) : scene_(scene) {
+        for (std::size_t i = 0; i < scene.groups.size(); ++i) names_.insert(column(scene.groups, i));
+    }
+    std::string operator[](std::uint32_t i) const {
+        std::string group = column(scene_.groups, i);
+        if (group != "-") return group;
+        group = std::to_string(i);
+        return names_.contains(group) ? "object " + group : group;
+    }
+
+private:
+    const DiagramScene& scene_;
+    std::set<std::string> names_;
+};
 
 }  // namespace
 
@@ -241,10 +255,11 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
         double volume = 0, volume_error = 0, area = 0, area_error = 0;
         std::set<std::string> neighbors;
     };
+    const GroupNames names(scene);
     std::map<std::string, Group> groups;
     std::vector<std::string> order;
     for (std::uint32_t i = 0; i < diagram.cells.size(); ++i) {
-        const auto [at, is_new] = groups.try_emplace(group_of(scene, i));
+        const auto [at, is_new] = groups.try_emplace(names[i]);
         if (is_new) order.push_back(at->first);
         Group& group = at->second;
         const DiagramCell& cell = diagram.cells[i];
@@ -259,7 +274,7 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
     }
     for (const Contact& c : table.contacts) {
         if (!c.second.is_object()) continue;
-        const std::string a = group_of(scene, c.first), b = group_of(scene, c.second.index);
+        const std::string a = names[c.first], b = names[c.second.index];
         if (a == b) continue;
         for (const auto& [self, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
             Group& group = groups[*self];

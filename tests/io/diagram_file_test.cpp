@@ -89,6 +89,19 @@ TEST_CASE("diagram file: mistakes are named with their place") {
     CHECK(complaint("ATOM      1  N   THR A   1\n").find("PDB") != std::string::npos);
 }
 
+TEST_CASE("diagram file: a group called like the number of an object without one is not that object's") {
+    const DiagramScene scene = parse_diagram_scene("0 0 0 0.5 a 1\n2 0 0 0.5 b\n0 2 0 0.25 c 1\n");
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    std::ostringstream groups;
+    write_group_table(groups, scene, diagram, contacts(diagram));
+    std::istringstream in(groups.str());
+    std::vector<std::string> begins;
+    for (std::string line; std::getline(in, line);)
+        begins.push_back(line.substr(0, line.find('\t', line.find('\t') + 1)));
+    CHECK(begins == std::vector<std::string>{"group\tcells", "1\t2", "object 1\t1"});
+    CHECK(groups.str().find("\tobject 1\n") != std::string::npos);
+}
+
 TEST_CASE("diagram file: tables have as many columns in each line as in their header") {
     DiagramScene scene = parse_diagram_scene("0 0 0 0.5 a g\n2 0 0 0.5\n0 2 0 0.25 c g\n0.1 0 0 0.1\n");
     scene.names[0] = "with\ttab";
