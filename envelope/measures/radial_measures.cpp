@@ -302,9 +302,11 @@ private:
             for (const unsigned side : {0u, 1u})
                 if (const auto angle = angles.find(face(e, side)); angle != angles.end())
                     add_angles(e, side == 0 ? 1 : -1, angle->second);
+        // The chart's unbounded face is around its pole.
+        const std::uint32_t at_pole = cell_faces_[Dcel::unbounded_face().value];
         for (const auto& [f, angle] : angles) {
             const auto* closed = as_closed(faces_[f]);
-            const SolidAngle::Value omega = angle.value();
+            const SolidAngle::Value omega = angle.value(SolidAngle::Place{-Vec3::UnitZ(), f == at_pole});
             const radial_integrals::Share mean = closed->mean();
             // Means are known to some ten roundings.
             const double error = omega.error + 32 * u * omega.angle;

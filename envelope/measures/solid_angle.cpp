@@ -32,7 +32,15 @@ double share(const Vec3& b, const Vec3& from, const Vec3& to, const Vec3& n, dou
 
 }  // namespace
 
-SolidAngle::Value SolidAngle::value() const {
+// The distance on the sphere is no less than that along n from the circle's plane.
+double SolidAngle::distance_from(const Vec3& direction) const {
+    double least = has_segments_ ? 0 : pi;
+    constexpr double rounding = 64 * u;
+    for (const Arc& arc : arcs_) least = std::min(least, std::abs(arc.n.dot(direction) - arc.h) - rounding);
+    return std::max(0.0, least);
+}
+
+SolidAngle::Value SolidAngle::value(const std::optional<Place>& place) const {
     if (arcs_.empty()) return {4 * pi, 8 * u * pi};
     // A triangle is told the worse, the nearer its corners come to -b.
     Vec3 b = Vec3::UnitX();
@@ -55,7 +63,13 @@ SolidAngle::Value SolidAngle::value() const {
     for (const Arc& arc : arcs_) sum.add(arc.sign * share(b, arc.from, arc.to, arc.n, arc.h), rounding);
     const double error = sum.bound() + 16 * u * pi;
     double angle = std::remainder(sum.value(), 4 * pi);
-    if (!(std::abs(angle) > error)) return {2 * pi, 2 * pi * (1 + 8 * u)};
+    if (!(std::abs(angle) > error)) {
+        // The face, or what is outside of it, has the cap of this size about the place, of an angle
+        // 4 pi sin^2(size / 2) >= 4 size^2 / pi; what might be nothing has an angle of two errors at most.
+        const double size = place ? distance_from(place->direction) : 0;
+        if (!(4 * size * size / pi > 2 * error)) return {2 * pi, 2 * pi * (1 + 8 * u)};
+        return {place->is_inside ? std::min(4 * pi, 4 * pi + angle) : std::max(0.0, angle), error};
+    }
     if (angle < 0) angle += 4 * pi;
     return {angle, error};
 }

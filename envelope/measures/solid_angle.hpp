@@ -13,6 +13,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "../../core/quadrature/bounded_sum.hpp"
@@ -37,12 +38,20 @@ public:
     void add(const Vec3& from, const Vec3& to, double segment, double error, double sign) {
         add(from, to, from.cross(to).normalized(), 0, sign);
         segments_.add(sign * segment, error);
+        has_segments_ = true;
     }
 
+    /// A direction in the face, or outside of it and its boundary.
+    struct Place {
+        Vec3 direction;
+        bool is_inside;
+    };
+
     /// In [0, 4 pi]; all of the sphere without arcs. Error: rounding, to first order, doubled, of vectors
-    /// that are known to some roundings. Of a face that is told neither from nothing nor from all the
-    /// enclosure has both.
-    Value value() const;
+    /// that are known to some roundings. Of a face that the arcs tell neither from nothing nor from all the
+    /// enclosure has both, unless the place tells: with nothing but arcs of circles on the boundary, all of
+    /// them so far from it that what is nearer to it is no face that might be nothing.
+    Value value(const std::optional<Place>& place = std::nullopt) const;
 
 private:
     struct Arc {
@@ -50,8 +59,12 @@ private:
         double h, sign;
     };
 
+    // No point of the boundary is nearer to the direction than that; 0 where that is not known.
+    double distance_from(const Vec3& direction) const;
+
     std::vector<Arc> arcs_;
     BoundedSum segments_;
+    bool has_segments_ = false;
 };
 
 }  // namespace vcell

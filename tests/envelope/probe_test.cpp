@@ -13,6 +13,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/cell_changes.hpp"
+#include "../../envelope/complete_measures.hpp"
 #include "../../envelope/measures/solid_angle.hpp"
 #include "../../envelope/object_distance.hpp"
 #include "../../envelope/vertex_refinement.hpp"
@@ -159,6 +160,38 @@ TEST_CASE("cap angle: circles about any axis, seen from both sides, and faces be
         }
     }
     CHECK(SolidAngle().value().angle == doctest::Approx(4 * pi));
+    // Circles so small that rounding does not tell which side of them the face is on, but for a place in it.
+    for (const double radius : {1e-7, 1e-9}) {
+        const Vec3 n = Vec3(1, 2, 3).normalized(), x = n.unitOrthogonal();
+        const double h = std::sqrt(1 - radius * radius);
+        const Vec3 a = h * n + radius * x, b = h * n + radius * n.cross(x), c = h * n - radius * x,
+                   d = h * n - radius * n.cross(x);
+        SolidAngle face;
+        const std::array corners{a, b, c, d};
+        for (std::size_t k = 0; k < 4; ++k) face.add(corners[k], corners[(k + 1) % 4], n, h, 1);
+        CHECK(face.value().error > 6);
+        check_value(face.value({{-n, false}}).angle, face.value({{-n, false}}).error, pi * radius * radius);
+        check_value(face.value({{-n, true}}).angle, face.value({{-n, true}}).error, 4 * pi);
+        CHECK(face.value({{n, true}}).error > 6);  // too near
+    }
+}
+
+TEST_CASE("bodies: of balls that overlap next to nothing next to nothing is lost") {
+    const double ball = 4 * pi / 3;
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int k = 8; k <= 15; ++k)
+        for (int round = 0; round < 4; ++round) {
+            const Vec3 way = Vec3(unit(rng), unit(rng), unit(rng)).normalized();
+            Scene scene;
+            scene.base = Sphere{Vec3::Zero(), 1};
+            scene.objects = {Sphere{(2 - std::pow(10.0, -k)) * way, 1}};
+            scene.box = {Vec3::Constant(-8), Vec3::Constant(8)};
+            const CompleteMeasures m = complete_body_measures(scene);
+            CAPTURE(k);
+            check_value(m.volume, m.volume_error, ball);
+            CHECK(m.volume_error < 1e-10 * ball);
+        }
 }
 
 TEST_CASE("probe: a ball alone is a ball that is larger by the probe") {
