@@ -21,8 +21,21 @@ protected:
           vertices_(cell.vertices.size()),
           lines_(whole.edges.size()),
           faces_(whole.faces.size()) {
-        for (std::size_t v = 0; v < vertices_.size(); ++v)
-            if (whole_.is_vertex[v]) vertices_[v] = found_or_added(cell_.vertices[v]);
+        // Vertices may lie nearer to each other than their errors and have three sites in common: those with
+        // all of a stored one's sites take it before others may, which have to have left out some, or to have
+        // more.
+        const auto for_open = [&](auto&& place) {
+            for (std::size_t v = 0; v < vertices_.size(); ++v)
+                if (whole_.is_vertex[v] && !vertices_[v]) vertices_[v] = place(cell_.vertices[v]);
+        };
+        for_open([&](const CellVertex& v) { return found(v, Match::AllSites); });
+        for_open([&](const CellVertex& v) { return found(v, Match::SomeSites); });
+        // One that is added may have images among the cell's own.
+        for_open([&](const CellVertex& v) {
+            std::optional<CellPoint> image = found(v, Match::AllSites);
+            if (!image) image = found(v, Match::SomeSites);
+            return image ? image : added(v);
+        });
     }
 
     // ---- Sites
@@ -77,6 +90,7 @@ protected:
         return !own.is_touching && (own.point - place).norm() > own.error + listed.error + rounding;
     }
 
+    enum class Match { AllSites, SomeSites };
     struct VertexMatch {
         std::size_t common = 0;
         double square = 0;
@@ -85,14 +99,16 @@ protected:
     };
 
     void try_vertex(const CellVertex& v, const MeetingSites& sites, const ListedVertex& listed,
-                    const Image& by, VertexMatch& best) const {
+                    const Image& by, Match match, VertexMatch& best) const {
         const Vec3 place = store_.place(listed.place, by);
         if (are_apart(v, listed, place)) return;
         const SharedVertex& stored = *listed.what;
         const SharedPoint point = stored.point.at(by);
         const std::size_t common = common_sites(stored.sites, by, sites);
         const bool is_same = common == sites.size() && common == stored.sites.size();
-        if (common < tell_vertex || ((v.is_touching || stored.is_touching) && !is_same)) return;
+        const bool is_told = common >= tell_vertex && common == std::min(sites.size(), stored.sites.size()) &&
+                             !v.is_touching && !stored.is_touching;
+        if (!is_same && (match == Match::AllSites || !is_told)) return;
         const double square = (place - v.point).squaredNorm();
         if (best.vertex && std::pair(best.common, -best.square) >= std::pair(common, -square)) return;
         if (std::ranges::any_of(vertices_, [&](const auto& p) { return p && p->point.key() == point.key(); }))
@@ -100,21 +116,16 @@ protected:
         best = {common, square, listed.what, by};
     }
 
-    CellPoint found_or_added(const CellVertex& v) {
+    std::optional<CellPoint> found(const CellVertex& v, Match match) {
         const MeetingSites sites = meeting(v.sites);
         VertexMatch best;
         const auto try_it = [&](const ListedVertex& listed, const Image& by) {
-            try_vertex(v, sites, listed, by, best);
+            try_vertex(v, sites, listed, by, match, best);
         };
         // Cells that list this one, too, have what is listed there.
         for_stored(store_.vertices, {own_}, try_it);
         if (!best.vertex || best.common < sites.size()) for_stored(store_.vertices, sites, try_it);
-        if (!best.vertex) {
-            const auto vertex = std::make_shared<SharedVertex>(
-                SharedVertex{store_.new_point(v.point), sites, v.error, v.is_touching, {}});
-            if (is_shared(sites)) store_.list(store_.vertices, vertex);
-            return {vertex->point, vertex};
-        }
+        if (!best.vertex) return std::nullopt;
         // What other cells had left out, as it owns nothing there.
         for (const NetworkSite& s : sites) {
             const NetworkSite there = moved(s, opposite(best.by));
@@ -123,7 +134,14 @@ protected:
             if (there.site.is_object() && store_.may_come(there.site.index))
                 store_.vertices[there.site.index].push_back({best.vertex, there.image});
         }
-        return {best.vertex->point.at(best.by), best.vertex};
+        return CellPoint{best.vertex->point.at(best.by), best.vertex};
+    }
+    CellPoint added(const CellVertex& v) {
+        const MeetingSites sites = meeting(v.sites);
+        const auto vertex = std::make_shared<SharedVertex>(
+            SharedVertex{store_.new_point(v.point), sites, v.error, v.is_touching, {}});
+        if (is_shared(sites)) store_.list(store_.vertices, vertex);
+        return {vertex->point, vertex};
     }
 
     // ---- Edges
