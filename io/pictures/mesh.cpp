@@ -36,11 +36,16 @@ void extend_by_seams(Eigen::AlignedBox3d& box, const CellFace& face) {
 }
 
 // A chord is no longer than that part of what its edge or face measures itself, which may be far below the
-// cell's.
+// cell's; but no shorter than the rounding of its coordinates, beneath which halving finds nothing straight.
 Chords chords_of(const Shell& shell, double most, double of_own) {
     Chords chords{most, std::vector<double>(shell.edges.size(), most),
                   std::vector<double>(shell.faces.size(), most)};
     if (std::isinf(of_own)) return chords;
+    const auto within = [&](const Eigen::AlignedBox3d& box) {
+        constexpr double rounding = 0x1p-44;
+        const double size = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+        return std::min(most, std::max(of_own * box.diagonal().norm(), rounding * size));
+    };
     std::vector<Eigen::AlignedBox3d> boxes(shell.edges.size());
     for (std::size_t e = 0; e < shell.edges.size(); ++e) {
         const RationalCurve3& curve = shell.edges[e].curve;
@@ -48,14 +53,14 @@ Chords chords_of(const Shell& shell, double most, double of_own) {
         for (int i = 0; i <= pieces; ++i)
             boxes[e].extend(curve.evaluate(curve.domain_begin() +
                                            (curve.domain_end() - curve.domain_begin()) * i / pieces));
-        chords.of_edges[e] = std::min(most, of_own * boxes[e].diagonal().norm());
+        chords.of_edges[e] = within(boxes[e]);
     }
     for (std::size_t f = 0; f < shell.faces.size(); ++f) {
         Eigen::AlignedBox3d box;
         for (const TrimCurve& c : shell.faces[f].trims())
             if (c.edge) box.extend(boxes[*c.edge]);
         extend_by_seams(box, shell.faces[f]);
-        if (!box.isEmpty()) chords.of_faces[f] = std::min(most, of_own * box.diagonal().norm());
+        if (!box.isEmpty()) chords.of_faces[f] = within(box);
     }
     return chords;
 }

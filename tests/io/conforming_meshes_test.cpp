@@ -312,6 +312,27 @@ TEST_CASE("conforming meshes: vertices nearer to each other than their errors ar
     }
 }
 
+TEST_CASE("conforming meshes: edges no longer than the rounding of their places are not halved for that") {
+    // A cubic lattice that stands on an edge, far from the origin: eight cells that all but meet in vertices.
+    const std::array places{Vec3{94.64314575050761, 0.25, 100.3},
+                            Vec3{106.66396103067893, 4.25, 101.00710678118655},
+                            Vec3{108.78528137423856, 1.25, 103.12842712474618},
+                            Vec3{101.00710678118655, 3.25, 101.00710678118655},
+                            Vec3{105.24974746830584, 2.25, 98.17867965644035},
+                            Vec3{101.71421356237309, 4.25, 103.12842712474618},
+                            Vec3{103.83553390593273, 3.25, 99.59289321881344},
+                            Vec3{93.22893218813452, 3.25, 97.47157287525381}};
+    std::vector<Object> points;
+    for (const Vec3& p : places) points.push_back(Sphere{p, 0});
+    DiagramScene scene = scene_of(points, {Vec3::Zero(), Vec3(2.8284271247461903, 2.0, 1.414213562373095)});
+    scene.periodic = {true, true, true};
+    scene.tilt = {0, 1.414213562373095, 0};
+    const Soup soup = conforming(scene);
+    CHECK(soup.not_closed == 0);
+    CHECK(soup.facets.size() < 50000);
+    CHECK(all_volume(soup) == doctest::Approx(8).epsilon(1e-9));
+}
+
 TEST_CASE("conforming meshes: where the box repeats images have the same triangles, their own cell's, too") {
     std::mt19937_64 rng(test_seed());
     const Box box{Vec3::Zero(), Vec3::Constant(10)};
