@@ -35,7 +35,8 @@ struct CellVertex {
     bool is_touching = false;
 };
 
-/// A trisector arc, maximal between vertices, or an arc of a box side or of the region's rim.
+/// A trisector arc, maximal between vertices, or an arc of a box side or of the region's rim. Where a
+/// vessel's wall is a base plane's rim, that is on both sides of the edge.
 struct CellEdge {
     std::array<Site, 2> sites;               ///< left and right of the edge, seen against the base normal
     std::vector<Site> extra_sites;           ///< further sites that attain the minimum all along it

@@ -17,11 +17,13 @@ namespace vcell {
 namespace {
 
 // The forms that have sites: hidden ones may tie with what hides them, and own nothing.
-template <class Sites>
-std::vector<FormId> owners(const Sites& sites) {
+// A floor owns no point.
+template <class Problem>
+std::vector<FormId> owners(const Problem& problem) {
     std::vector<FormId> owners;
-    for (const FormId f : sites.ids())
-        if (!sites[f].empty()) owners.push_back(f);
+    for (const FormId f : problem.sites.ids())
+        if (!problem.sites[f].empty() && std::ranges::find(problem.floor, f) == problem.floor.end())
+            owners.push_back(f);
     return owners;
 }
 
@@ -30,8 +32,7 @@ template <class Problem>
 class Located {
 public:
     explicit Located(Problem problem)
-        : problem_(std::move(problem)),
-          locator_(problem_.family, owners(problem_.sites), problem_.chart_box()) {}
+        : problem_(std::move(problem)), locator_(problem_.family, owners(problem_), problem_.chart_box()) {}
     Located(const Located&) = delete;
 
 protected:
@@ -48,6 +49,8 @@ public:
         for (const RegionSide& side : problem_.region)
             if (is_outside(side, p)) return std::nullopt;
         const FormId owner = locator_.lowest(p.x(), p.y());
+        // Beyond a vessel's wall there is no base.
+        if (problem_.has_curved_rim && !is_below({p.x(), p.y(), 0}, owner)) return std::nullopt;
         PointAnswer answer;
         answer.site = problem_.sites[owner].front();
         answer.clearance =

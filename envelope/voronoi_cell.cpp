@@ -111,7 +111,12 @@ Diagrams with_floor(const PlaneBaseProblem& problem, EnvelopeOptions options) {
     options.floor = problem.floor;
     MinimizationDiagram above = diagram_of(problem, options);
     options.is_below_floor = true;
-    return {std::move(above), diagram_of(problem, options)};
+    MinimizationDiagram below = diagram_of(problem, options);
+    const FormId base = problem.floor.front();
+    if (problem.has_curved_rim && std::ranges::find(below.face_forms, base) == below.face_forms.end())
+        throw InputError(InputError::Kind::EmptyBox, InputError::no_object, "box",
+                         "holds none of the base plane within the walls of all vessels");
+    return {std::move(above), std::move(below)};
 }
 Diagrams without_floor(const RadialBaseProblem& problem, EnvelopeOptions options) {
     return {diagram_of(problem, options), std::nullopt};

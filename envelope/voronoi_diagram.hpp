@@ -58,8 +58,8 @@ struct DiagramCell {
         Computed,
         Empty,      ///< the object lies in another one, or equals one of a lower number
         Undecided,  ///< digits or a budget were not enough
-        Wall,       ///< a vessel, or a plane in a scene with one: what is nearest to walls has no cell
-        Refused,    ///< the object cuts or touches another one in a way that leaves it without a cell
+        Wall,  ///< a vessel, or a plane among hollow cylinders or cones: what is nearest to walls has no cell
+        Refused,  ///< the object cuts or touches another one in a way that leaves it without a cell
     };
 
     State state = State::Computed;
@@ -142,7 +142,7 @@ ContactTable contacts(const VoronoiDiagram& diagram);
 
 /// The sum of all volumes, and of the box without them, each with its error: a complete diagram leaves
 /// nothing, unless cells end at a probe; of scenes with vessels, what is nearest to their walls and to
-/// planes, or beyond the walls.
+/// planes without a cell, or beyond the walls.
 struct FilledVolume {
     double volume = 0, error = 0, box = 0;
     bool is_estimated = false;

@@ -32,12 +32,16 @@ struct CircularForm {
         const double dx = x - cx, dy = y - cy;
         return (k * (dx * dx + dy * dy) + a * x + b * y + e) / w;
     }
+    /// Numerator and denominator negated: f itself, where w < 0 was to be.
+    CircularForm operator-() const { return {-k, cx, cy, -a, -b, -e, -w}; }
 };
 
 /// A circular form in the monomial basis over one denominator, as exact predicates take it:
 /// f = (K (x^2 + y^2) + A x + B y + C) / W, exact, W > 0.
 struct ExactForm {
     Exact K, A, B, C, W;
+
+    ExactForm operator-() const { return {-K, -A, -B, -C, -W}; }
 };
 
 /// Functions to compare, with the exact coefficients behind them (computed when asked for).

@@ -308,11 +308,24 @@ private:
         m.volume = roof.volume - floor.volume;
         m.volume_error = roof.volume_error + floor.volume_error + 0x1p-52 * (roof.volume + floor.volume);
         m.is_estimated = roof.is_estimated || floor.is_estimated;
-        if constexpr (!is_over_plane) return add_measures_of_part();
+        if constexpr (!is_over_plane)
+            return add_measures_of_part();
+        else if (problem_.has_curved_rim)
+            set_region_in_vessels();
         m.box_area = roof.box_area + floor.box_area;
         m.box_area_error = roof.box_area_error + floor.box_area_error +
                            0x1p-52 * (std::abs(roof.box_area) + std::abs(floor.box_area));
         m.min_clearance = m.min_clearance_error = 0;
+    }
+
+    // What walls leave of the base region may keep clear of the box.
+    void set_region_in_vessels() {
+        Measures& m = result_.cell.measures;
+        m.base_area = floor_.cell.measures.base_area;
+        m.base_area_error = floor_.cell.measures.base_area_error;
+        m.touches_box = std::ranges::any_of(result_.cell.edges, [](const CellEdge& e) {
+            return std::ranges::any_of(e.sites, [](Site s) { return s.kind == Site::Kind::BoxSide; });
+        });
     }
 
     // Measures are those of the faces alone: a tube's body and ends are added by the caller, who knows its

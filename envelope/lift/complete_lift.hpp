@@ -13,6 +13,10 @@
 /// the roof and of the floor share these edges. A name of forms and sides may be that of two points: which is
 /// which their errors tell.
 ///
+/// Where the wall of a vessel cuts a base plane's region the base is the floor, or its lowest part, for a
+/// cell that is not complete, too: h < 0 beyond the wall, D is within it, and its boundary there has the wall
+/// on both sides.
+///
 /// Seen from outside, the floor is seen against the normal's sense: there left and right change, and u and v.
 /// An edge between two of its faces is turned round, so that its left site stays left of it.
 ///

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "../../primitives/forms/heights.hpp"
 #include "../measures/measures.hpp"
 #include "based_diagram.hpp"
 #include "cell_assembly.hpp"
@@ -65,14 +67,19 @@ RoundedPatch height_patch(const CylinderFrame& f, const Rectangle& box, const Ba
     return {std::move(surface), patch_rounding * (size + f.height().reach() + frame.origin.norm())};
 }
 
-// The largest clearance: of the boundary as written, and bounds of the true one's. Every height is convex:
-// over a face it is largest on the face's boundary. A point of the boundary as written is within `error` of
-// one of the true boundary, and the other way round.
+// The largest clearance: of the boundary as written, and bounds of the true one's. Every height is convex,
+// and over a face largest on the face's boundary, but a hollow sphere's, which has its top. A point of the
+// boundary as written is within `error` of one of the true boundary, and the other way round.
 class Highest {
 public:
     void add(double height, double error) {
         const std::array<double, 3> of_part{height, height - error, height + error};
         for (int i = 0; i < 3; ++i) highest_[i] = std::max(highest_[i], of_part[i]);
+    }
+    // A height that the boundary attains, or nearly, if it `is_there`, and perhaps if that is not known.
+    void add_top(double height, double error, std::optional<bool> is_there) {
+        if (is_there == true) return add(height, error);
+        if (!is_there) highest_[2] = std::max(highest_[2], height + error);
     }
     void set(Measures& measures) const {
         const auto [height, least, most] = highest_;
@@ -190,10 +197,38 @@ public:
         measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, loops_, cell, threads_);
         Highest highest;
         for (const Highest& of_task : highest_) highest.add(of_task);
+        for (const FormId f : diagram_.forms.ids())
+            if (!diagram_.is_below_floor && diagram_.forms[f].k < 0) add_top(f, highest);
         highest.set(cell.measures);
     }
 
 private:
+    // Where a hollow sphere's height is greatest it is the envelope's if no other form's is less there. The
+    // place is rounded: by its square, that is, in the height.
+    void add_top(FormId form, Highest& highest) const {
+        const CircularForm& f = diagram_.forms[form];
+        const Eigen::Vector2d top(f.cx - 0.5 * f.a / f.k, f.cy - 0.5 * f.b / f.k);
+        const double x = top.x(), y = top.y(), size = top.norm() + origin_ + std::abs(f.cx) + std::abs(f.cy),
+                     height = f(x, y), error = 32 * u * (std::abs(f.e) / f.w + height + size);
+        std::optional<bool> is_there = true;
+        const auto meet = [&](double room, double doubt) {
+            if (room < -doubt) is_there = false;
+            if (!(room > doubt) && is_there == true) is_there = std::nullopt;
+        };
+        for (const RegionSide& side : problem_.region)
+            meet(side.a * x + side.b * y + side.c,
+                 32 * u * ((std::abs(side.a) + std::abs(side.b)) * size + std::abs(side.c)));
+        const Heights heights(problem_.family);
+        const Interval near_x = Interval::ball(x, 8 * u * size), near_y = Interval::ball(y, 8 * u * size);
+        for (const FormId g : problem_.sites.ids()) {
+            if (g == form) continue;
+            const Interval apart = heights.value(g, near_x, near_y) - heights.value(form, near_x, near_y);
+            const Interval room = diagram_.is_of_floor(g) ? -apart : apart;
+            meet(room.mid(), room.radius());
+        }
+        highest.add_top(height, error, is_there);
+    }
+
     // Does the cell have a face beside the edge?
     bool shows(EdgeId e) const {
         const auto shows_face = [&](unsigned side) {

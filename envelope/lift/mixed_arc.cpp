@@ -55,13 +55,18 @@ CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) 
 }
 
 // Over a plane base a ball is (c, rho) with C = |(x, y) - c|^2 + (c_z - rho) (c_z + rho), w = 2 (c_z + rho).
-// Where the form's centre is rounded, its linear terms tell what is left of it. The bisector of everything
-// else is a plane that bounds the cell.
+// Where the form's centre is rounded, its linear terms tell what is left of it. A hollow sphere is such a
+// ball of a radius below 0, with C and w negated. The bisector of everything else is a plane that bounds the
+// cell.
 SpaceSite space_site(const CircularForm& f) {
     if (f.k == 0) {
         const Vector3d n(-f.a, -f.b, f.w);
         const double norm = n.stableNorm();
         return {Plane{f.e / norm * (n / norm), n / norm}, true, {}};
+    }
+    if (f.k < 0) {
+        const auto [center, radius] = std::get<Sphere>(space_site(-f).object);
+        return {HollowSphere{center, -radius}, false, {}};
     }
     const Vector2d c(f.cx, f.cy), rest(0.5 * f.a, 0.5 * f.b);
     const double width = 0.5 * f.w, behind = (f.e + 2 * c.dot(rest) - rest.squaredNorm()) / width;
@@ -277,7 +282,7 @@ double MixedArcs::section_trims_error(EdgeId e, double off) const {
         const CircularForm& f = diagram_.forms[diagram_.form_beside(e, side)];
         double slope = 0;
         curves_->for_controls(e, [&](const Vec3& p, double) {
-            slope = std::max(slope, gradient(f, p.head<2>()).norm() + 2 * f.k / f.w * off);
+            slope = std::max(slope, gradient(f, p.head<2>()).norm() + 2 * std::abs(f.k) / f.w * off);
         });
         most = std::max(most, (1 + slope) * off);
     }

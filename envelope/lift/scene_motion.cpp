@@ -205,7 +205,8 @@ public:
     }
 
 private:
-    // A site, or over a base plane's rim the wall that stands on it there.
+    // A site, or over a base plane's rim the wall that stands on it there; the base itself where the wall is
+    // a vessel's.
     struct Term {
         Site site;
         bool is_wall = false;
@@ -256,6 +257,7 @@ private:
             return {(side - base_unit_.dot(side) * base_unit_).normalized()};
         }
         if (site.kind == Site::Kind::End) return {base_unit_};
+        if (term.is_wall) return {base_unit_};
         const std::size_t place = cell_.scene.place(site.index);
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);

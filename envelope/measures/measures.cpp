@@ -27,14 +27,15 @@ constexpr double boundary_rounding = 128 * u;
 // boundary_rounding allowed): an object's centre is exact.
 double height_size(const CircularForm& f, const Vector2d& p) {
     const double d = (p - Vector2d(f.cx, f.cy)).norm();
-    return (f.k * d * (d + p.norm() / 16) + std::abs(f.a * p.x()) + std::abs(f.b * p.y()) + std::abs(f.e)) /
+    return (std::abs(f.k) * d * (d + p.norm() / 16) + std::abs(f.a * p.x()) + std::abs(f.b * p.y()) +
+            std::abs(f.e)) /
            f.w;
 }
 double gradient_size(const CircularForm& f, const quadrature::Part& part) {
     const Vector2d c(f.cx, f.cy), &p = part.span.from, &q = part.span.to;
     const double far = std::sqrt(std::max(p.squaredNorm(), q.squaredNorm())) + part.length;
     const double d = std::sqrt(std::max((p - c).squaredNorm(), (q - c).squaredNorm())) + part.length;
-    return (2 * f.k * (d + far / 16) + std::abs(f.a) + std::abs(f.b)) / f.w;
+    return (2 * std::abs(f.k) * (d + far / 16) + std::abs(f.a) + std::abs(f.b)) / f.w;
 }
 
 // ---- Integrals over a face by Green's theorem -------------------------------------------------------
@@ -52,12 +53,14 @@ struct LocalHeight {
 
     LocalHeight(const CircularForm& f, const Vector2d& origin)
         : o(origin), f0(f(o.x(), o.y())), c(f.k / f.w), g(gradient(f, o)) {
-        const double square = f.k * (o - Vector2d(f.cx, f.cy)).squaredNorm();
+        const double square = std::abs(f.k) * (o - Vector2d(f.cx, f.cy)).squaredNorm();
         f0_error = 16 * u * (square + std::abs(f.a * o.x()) + std::abs(f.b * o.y()) + std::abs(f.e)) / f.w;
     }
     double factor(const Vector2d& q) const { return c * q.squaredNorm() / 4 + g.dot(q) / 3 + f0 / 2; }
     // Bound on |factor| for |q| <= r.
-    double factor_bound(double r) const { return c * r * r / 4 + g.norm() * r / 3 + std::abs(f0) / 2; }
+    double factor_bound(double r) const {
+        return std::abs(c) * r * r / 4 + g.norm() * r / 3 + std::abs(f0) / 2;
+    }
 };
 
 // One span's share of a face's volume and of its area in the chart.
@@ -216,14 +219,15 @@ struct Least {
 };
 
 // The smallest value of f over the closed region. For a sphere that is the value at the region's point
-// nearest to the centre, for a linear form the smallest at a corner. Corners carry a few roundings.
+// nearest to the centre, for a linear form and a hollow sphere, whose height is concave, the smallest at a
+// corner. Corners carry a few roundings.
 void add_region_minimum(const CircularForm& f, const PlaneBaseProblem& problem, Least& least) {
     const auto& corners = problem.corners;
     const Vector2d c(f.cx, f.cy);
-    bool inside = f.k != 0;
+    bool inside = f.k > 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         Vector2d p = corners[i];
-        if (f.k != 0) {
+        if (f.k > 0) {
             const RegionSide& side = problem.region[i];
             if (side.a * c.x() + side.b * c.y() + side.c < 0) inside = false;
             const Vector2d along = corners[(i + 1) % corners.size()] - p;
@@ -298,6 +302,7 @@ public:
         m.body_volume = m.body_volume_error = 0;
         m.base_area = region_area(problem_.floor.empty() ? problem_.region : problem_.region_in_box);
         m.base_area_error = 0x1p-49 * m.base_area;
+        if (problem_.has_curved_rim && diagram_.is_below_floor) set_base_area();
         // The base region is cut out by the box, so the cell always ends at its sides.
         m.touches_box = true;
         if (problem_.floor.empty()) {
@@ -322,6 +327,16 @@ private:
             min_clearance.add(other.min_clearance);
         }
     };
+
+    // Below the floor the base has its face where its rays begin and are in the cell.
+    void set_base_area() {
+        BoundedSum area;
+        for (std::uint32_t i = 0; i < cell_.faces.size(); ++i)
+            if (diagram_.face_forms[FaceId{i + 1}] == problem_.floor.front())
+                area.add(cell_.faces[i].area, cell_.faces[i].area_error);
+        cell_.measures.base_area = area.value();
+        cell_.measures.base_area_error = area.bound();
+    }
 
     double slope_bound(const CircularForm& f, const ArcSpan& span) const {
         // The gradient is affine and the arc lies in the triangle of its control points.

@@ -61,8 +61,9 @@ struct CircularIntegrand {
         const double noise = u * at.norm() / term_rounding;
         const double q = (at - o).norm(), turn = (q + noise) * step.norm();
         // f0 itself carries the roundings of large terms that cancel.
-        const double height = std::abs(f0) + c * (o - center).squaredNorm() + g.norm() * o.norm();
-        const double factor = c / 4 * q * q + g.norm() * q / 3 + height / 2;
+        const double bend = std::abs(c),
+                     height = std::abs(f0) + bend * (o - center).squaredNorm() + g.norm() * o.norm();
+        const double factor = bend / 4 * q * q + g.norm() * q / 3 + height / 2;
         if (k == 0) return {factor * turn, 0.5 * turn, 0.5 * stretch * turn};
         const double d = (at - center).norm();
         return {factor * turn, 0.5 * turn, std::hypot(1, 2 * d / w) * (d + noise) * step.norm()};

@@ -108,7 +108,9 @@ void DecidedDiagram::index() {
     lattice_ = Lattice(part_.scene);
     for (std::uint32_t i = 0; i < part_.scene.objects.size(); ++i) {
         if (!is_ball(i) && part_.hidden[i].empty()) others_.push_back(i);
-        has_vessels_ = has_vessels_ || is_vessel(part_.scene.objects[i]);
+        const Object& object = part_.scene.objects[i];
+        has_open_vessels_ =
+            has_open_vessels_ || (is_vessel(object) && !std::holds_alternative<HollowSphere>(object));
     }
     std::vector<BallTree::Entry> balls = balls_of(part_.scene);
     std::erase_if(balls, [&](const BallTree::Entry& e) { return !part_.hidden[e.number].empty(); });

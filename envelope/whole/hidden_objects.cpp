@@ -52,7 +52,16 @@ bool is_beyond_wall(const Object& object, const Cylinder& tube) {
     return vessel != nullptr && is_beside(ConeForm(*vessel), tube_form_of(tube));
 }
 
-// Planes and vessels are walls themselves.
+bool is_beyond_wall(const Object& object, const Plane& plane) {
+    const auto* vessel = std::get_if<HollowSphere>(&object);
+    if (vessel == nullptr) return false;
+    const ExactVector n(plane.normal);
+    const Exact height = dot(n, ExactVector(vessel->center) - ExactVector(plane.point)),
+                reach = Exact(vessel->radius);
+    return (height * height - reach * reach * dot(n, n)).sign() != Sign::Negative;
+}
+
+// Vessels are walls themselves.
 bool is_beyond_wall(const Object&, const auto&) { return false; }
 
 bool lies_on(const Plane& plane, const Vec3& p) {

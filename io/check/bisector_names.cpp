@@ -31,7 +31,7 @@ const char* name_of_plane_and_tube(const Vec3& normal, const Vec3& axis) {
 
 std::vector<std::string> names_about(const Plane& base, const Object& o) {
     if (std::holds_alternative<Plane>(o)) return {"plane"};
-    if (std::holds_alternative<Sphere>(o)) return {"paraboloid"};
+    if (std::holds_alternative<Sphere>(o) || std::holds_alternative<HollowSphere>(o)) return {"paraboloid"};
     return {name_of_plane_and_tube(base.normal, std::get<Cylinder>(o).axis)};
 }
 

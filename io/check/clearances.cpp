@@ -238,6 +238,18 @@ std::optional<Farthest> farthest_about_ball(const Subject& subject, const Site& 
     return result.is_there == false ? std::nullopt : std::optional(result);
 }
 
+/// Over a plane it is highest above the hollow sphere's centre, half-way between the plane and the wall.
+std::optional<Farthest> farthest_over_plane(const Subject& subject, const Site& site, const Frame& frame) {
+    const auto* ball = std::get_if<HollowSphere>(&subject.cell.scene.objects[site.index]);
+    if (!ball) return std::nullopt;
+    const Vector<Interval> c = to_vector<Interval>(ball->center);
+    const Interval above = subject.space.clearance(c), height = 0.5 * (above + Interval(ball->radius));
+    const std::optional<bool> is_there =
+        is_bounded(subject, site, c + (height - above) * subject.space.up(c));
+    if (is_there == false) return std::nullopt;
+    return Farthest{height / Interval(frame.unit()), is_there};
+}
+
 /// Around a tube a bisector with a vessel is farthest where the ways from the base's axis and from the wall
 /// meet head on: beyond a hollow sphere's centre, as seen from the axis; in a tube or a cone the wall's
 /// tangent plane is along the base there. Whether the place is on the bisector and shows.
@@ -298,6 +310,10 @@ std::vector<Farthest> farthest_in_vessel(const Subject& subject, const Site& sit
     }
     if (std::holds_alternative<Sphere>(scene.base)) {
         if (const auto farthest = farthest_about_ball(subject, site, frame)) found.push_back(*farthest);
+        return found;
+    }
+    if (std::holds_alternative<Plane>(scene.base)) {
+        if (const auto farthest = farthest_over_plane(subject, site, frame)) found.push_back(*farthest);
         return found;
     }
     for (const HeadOn& place : places_head_on(subject.space, scene.objects[site.index])) {
@@ -420,8 +436,8 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
                 most = Interval(is_there == true ? std::max(most.lower(), height.lower()) : most.lower(),
                                 std::max(most.upper(), height.upper()));
         };
-        // Around a tube there is always an edge.
-        if (std::holds_alternative<Cylinder>(scene.base)) meet_farthest();
+        // Around a tube, and over a plane, there is always an edge.
+        if (!std::holds_alternative<Sphere>(scene.base)) meet_farthest();
         if (!nearest || nearest->is_inside == false) continue;
         if (subject.part && subject.part->has_floor()) {
             // Not all rays come into the box where they would meet the bisector.

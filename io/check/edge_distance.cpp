@@ -171,7 +171,7 @@ private:
     }
     /// None: it takes forms to tell.
     std::optional<Distances> by_spheres(const EdgePart& part) const {
-        if (!part.spheres) return std::nullopt;
+        if (!part.spheres || edge_.conditions[1].site == Site::base()) return std::nullopt;
         std::optional<Distances> result =
             distances([&](const Condition& c) { return part.spheres->excess(c); });
         if (!result) return std::nullopt;

@@ -33,10 +33,15 @@ private:
         edge_.error = full_error(i);
         auto& conditions = edge_.conditions;
         conditions.clear();
-        for (const Site& s : label(i)) conditions.push_back({s, geometry_.is_plane() && rim_[i] == s});
-        // A side of the box may lean out of its own rim: it meets the boundary there.
-        if (e.sites[0] == e.sites[1]) conditions.push_back({e.sites[0]});
-        const auto is_first = [&](const Condition& c) { return contains(e.sites, c.site); };
+        const bool is_on_wall = rim_[i] && rim_[i]->is_object();
+        for (const Site& s : label(i))
+            conditions.push_back({s, geometry_.is_plane() && !is_on_wall && rim_[i] == s});
+        // A side of the box may lean out of its own rim: it meets the boundary there. A vessel's wall meets
+        // the base.
+        if (e.sites[0] == e.sites[1]) conditions.push_back({is_on_wall ? Site::base() : e.sites[0]});
+        const auto is_first = [&](const Condition& c) {
+            return contains(e.sites, c.site) || c.site == Site::base();
+        };
         std::ranges::stable_partition(conditions, is_first);
         edge_.middle_planes.reset();
         if (conditions[0].site.is_object() && conditions[1].site.is_object())

@@ -206,7 +206,8 @@ Interval ExcessAlong::object_excess(const Surface& object) const {
 }
 
 /// Over a base plane, r = b / w. A plane's distance is linear, too. For balls and tubes with the squared
-/// distance A / w^2 the excess times (sqrt A / w + r + radius) is (A - (b + radius w)^2) / w^2.
+/// distance A / w^2 the excess times (sqrt A / w + r + radius) is (A - (b + radius w)^2) / w^2, and in a
+/// hollow one, times (radius - r + sqrt A / w), ((radius w - b)^2 - A) / w^2.
 Interval ExcessAlong::above_plane(const Surface& object) const {
     if (object.kind == Kind::plane) {
         const Form d = signed_distance(object);
@@ -215,9 +216,16 @@ Interval ExcessAlong::above_plane(const Surface& object) const {
         if (side.upper() < 0) return (d + base_).range() / -w_;
         return magnitude(side) / w_ - clearance_;
     }
+    if (object.is_cone) return object.distance(net_.box()) - clearance_;
     const Form a = squared_distance(object);
-    const Interval distance = sqrt(a.range()) / w_, reach = clearance_ + object.radius;
-    const Interval plain = distance - reach, sum = distance + reach;
+    const Interval distance = sqrt(a.range()) / w_;
+    if (object.is_hollow) {
+        const Interval room = object.radius - clearance_, plain = room - distance, sum = room + distance;
+        if (!(sum.lower() > 0)) return plain;
+        const Form room_form = Form::combination<2>({{{-1.0, &base_}, {object.radius, &weight_}}});
+        return intersection((square(room_form) - a).range() / square(w_) / sum, plain);
+    }
+    const Interval reach = clearance_ + object.radius, plain = distance - reach, sum = distance + reach;
     if (!(sum.lower() > 0)) return plain;
     const Form reach_form = Form::combination<2>({{{1.0, &base_}, {object.radius, &weight_}}});
     Form g = a;

@@ -40,6 +40,13 @@ private:
     const Sphere* as_sphere(const Site& s) const {
         return s.is_object() ? std::get_if<Sphere>(&scene_.objects[s.index]) : nullptr;
     }
+    /// Over a plane a hollow sphere's height is that of a ball whose radius is less than 0, upside down.
+    std::optional<Sphere> as_signed_sphere(const Site& s) const {
+        if (!s.is_object()) return std::nullopt;
+        if (const Sphere* ball = as_sphere(s)) return *ball;
+        const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[s.index]);
+        return vessel ? std::optional(Sphere{vessel->center, -vessel->radius}) : std::nullopt;
+    }
 
     /// Empty: no opinion. Where only exact arithmetic on the canonical scene could tell a kind from its
     /// limit, both.
@@ -62,12 +69,13 @@ private:
         const auto& sites = cell_.edges[i].sites;
         if (rim_[i]) {
             const Site& owner = sites[uses_[i][0].reversed];
-            return is_linear(owner)   ? std::vector{Line}
-                   : as_sphere(owner) ? std::vector{Parabola}
-                                      : std::vector<CurveKind>{};
+            if (rim_[i]->is_object()) return {Circle};  // of the wall and the base
+            return is_linear(owner)          ? std::vector{Line}
+                   : as_signed_sphere(owner) ? std::vector{Parabola}
+                                             : std::vector<CurveKind>{};
         }
         if (is_linear(sites[0]) && is_linear(sites[1])) return {Line};
-        const Sphere *a = as_sphere(sites[0]), *b = as_sphere(sites[1]);
+        const std::optional<Sphere> a = as_signed_sphere(sites[0]), b = as_signed_sphere(sites[1]);
         if ((!a && !is_linear(sites[0])) || (!b && !is_linear(sites[1]))) return {};
         const auto& base = std::get<Plane>(scene_.base);
         int axis = 0;

@@ -24,6 +24,16 @@ constexpr int kEffortOfProofs = 14;
 /// Into which spans and the way to them are cut at most, where proofs are asked for.
 constexpr int kPartsOfProofs = 1 << 12;
 
+/// What all faces stand over.
+Interval shadow_of(const Integrals& integrals) {
+    Interval shadow = 0.0;
+    for (std::size_t f = 0; f < integrals.faces.size(); ++f) {
+        const double slack = integrals.slack[f].shadow;
+        shadow += integrals.faces[f].shadow + Interval(-slack, slack);
+    }
+    return shadow;
+}
+
 class MeasuresRoom : public Room {
 public:
     MeasuresRoom(std::span<const Subject> subjects, std::span<const EdgeBound> edges, const TubeParts* slabs,
@@ -235,7 +245,7 @@ private:
             return t;
         }
         for (std::size_t e = 0; e < rim_.size(); ++e) {
-            if (!rim_[e]) continue;
+            if (!rim_[e] || rim_[e]->is_object()) continue;
             t.touches_box = true;
             // Rims end where their neighbours' errors let them.
             t.box_slack += edge_error(e) * (integrals_.lengths[e].upper() + 2 * size_);
@@ -260,7 +270,8 @@ private:
                            length = hull(frame_.length(stretch.lower()), frame_.length(stretch.upper()));
             body = pi() * square(r) * length;
             region = 2.0 * (pi() * r * length);
-        }
+        } else if (geometry_.has_curved_rim())
+            region = shadow_of(integrals_);
         judge("measures.volume", m.volume, m.volume_error, t.volume, integrals_.total.volume, 3, t.is_proved);
         // About as much as a face has that goes once around the box.
         const double untold = slabs_ ? 4 * scene_.box.diagonal() * slabs_->width / unit(2) : 0;
@@ -299,11 +310,11 @@ private:
     /// rays come in through sides of the box there are as many such faces as others: none in all.
     void judge_shadow(const Subject& subject) {
         const double u = geometry_.is_plane() ? unit(2) : geometry_.is_cylinder() ? unit(1) : 1;
-        const double whole = subject.geometry.shadow() / u,
-                     own = subject.part && subject.part->has_floor() ? 0 : 1;
+        const Interval whole = subject.geometry.shadow() / Interval(u);
+        const double own = subject.part && subject.part->has_floor() ? 0 : 1;
         Interval shadow = 0.0;
         for (const std::uint32_t f : subject.faces) shadow += integrals_.faces[f].shadow;
-        const Interval times = shadow / Interval(whole), off = times - own;
+        const Interval times = shadow / whole, off = times - own;
         if (off.lower() > -0.5 && off.upper() < 0.5)
             certificate_.prove(subject.path("faces"));
         else if (off.upper() < -0.25 || off.lower() > 0.25)

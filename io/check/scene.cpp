@@ -46,6 +46,28 @@ Vec2 random_point(std::mt19937_64& rng, const Vec2& lo, const Vec2& hi) {
     return lo + Vec2(x, y).cwiseProduct(hi - lo);
 }
 
+double area(const std::vector<Vec2>& polygon) {
+    double sum = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec2 p = polygon[i] - polygon[0], q = polygon[(i + 1) % polygon.size()] - polygon[0];
+        sum += 0.5 * (p.x() * q.y() - p.y() * q.x());
+    }
+    return sum;
+}
+
+/// The part of a convex polygon where a linear function is not negative.
+template <class Linear>
+std::vector<Vec2> cut(const std::vector<Vec2>& polygon, const Linear& inside) {
+    std::vector<Vec2> kept;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec2 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        const double dp = inside(p), dq = inside(q);
+        if (dp >= 0) kept.push_back(p);
+        if ((dp >= 0) != (dq >= 0)) kept.push_back(p + dp / (dp - dq) * (q - p));
+    }
+    return kept;
+}
+
 /// Is q inside a convex counter-clockwise polygon, at least `margin` from each side?
 bool within(const std::vector<Vec2>& polygon, const Vec2& q, double margin) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -96,6 +118,7 @@ SceneGeometry::SceneGeometry(const Scene& scene, const TubePart* part)
             others_.push_back(i);
         }
     }
+    if (plane_) find_walls();
 }
 
 // --- The base ------------------------------------------------------------------------------------------
@@ -142,7 +165,9 @@ std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin
     }
     for (int tries = 0; tries < 100; ++tries) {  // the polygon may be a sliver of its bounds
         const Vec2 q = random_point(rng, lo, hi);
-        if (within(region_, q, margin)) return ray(origin_ + q.x() * across_[0] + q.y() * across_[1]);
+        const Vec3 p = origin_ + q.x() * across_[0] + q.y() * across_[1];
+        const auto is_within = [&](std::uint32_t wall) { return distance_to(wall, p) >= margin; };
+        if (within(region_, q, margin) && std::ranges::all_of(walls_, is_within)) return ray(p);
     }
     return std::nullopt;
 }
@@ -151,22 +176,39 @@ double SceneGeometry::base_area() const {
     constexpr double pi = std::numbers::pi;
     if (sphere_) return 4 * pi * radius_ * radius_;
     if (cylinder_) return 2 * pi * radius_ * (stretch_[1] - stretch_[0]);
-    double area = 0;
-    for (std::size_t i = 0; i < region_.size(); ++i) {
-        const Vec2 p = region_[i] - region_[0], q = region_[(i + 1) % region_.size()] - region_[0];
-        area += 0.5 * (p.x() * q.y() - p.y() * q.x());
-    }
-    return area;
+    return area(region_);
 }
 
-double SceneGeometry::shadow() const {
+Interval SceneGeometry::shadow() const {
     constexpr double pi = std::numbers::pi;
-    return plane_ ? base_area() : sphere_ ? 4 * pi : 2 * pi * (stretch_[1] - stretch_[0]);
+    if (plane_) return {area_within(false), area_within(true)};
+    return sphere_ ? 4 * pi : 2 * pi * (stretch_[1] - stretch_[0]);
+}
+
+/// A hollow sphere leaves a disk of the base: regular polygons in it and about it take its place.
+double SceneGeometry::area_within(bool is_outer) const {
+    constexpr int sides = 256;
+    std::vector<Vec2> region = region_;
+    for (const std::uint32_t wall : walls_) {
+        const auto& ball = std::get<HollowSphere>(scene_.objects[wall]);
+        const Vec2 c = chart(ball.center);
+        const double h = height(ball.center),
+                     radius = std::sqrt(std::max(0.0, (ball.radius - h) * (ball.radius + h))) *
+                              (is_outer ? 1 : std::cos(std::numbers::pi / sides));
+        for (int k = 0; k < sides && !region.empty(); ++k) {
+            const double turn = 2 * std::numbers::pi * k / sides;
+            const Vec2 u(std::cos(turn), std::sin(turn));
+            region = cut(region, [&](const Vec2& q) { return radius - u.dot(q - c); });
+        }
+    }
+    return area(region);
 }
 
 double SceneGeometry::distance_from_rim(const Site& s, const Vec3& p) const {
     if (plane_ && s.kind == Site::Kind::BoxSide)
         return std::abs(inside_side(s.index, p - height(p) * normal_));
+    if (plane_ && s.is_object() && is_vessel(scene_.objects[s.index]))
+        return std::abs(distance_to(s.index, p - height(p) * normal_));
     if (cylinder_ && s.kind == Site::Kind::End) return std::abs(inside_end(s.index, p));
     return HUGE_VAL;
 }
@@ -190,14 +232,17 @@ void SceneGeometry::find_region() {
         const auto inside = [&](const Vec2& q) {
             return inside_side(s, origin_ + q.x() * across_[0] + q.y() * across_[1]);
         };
-        std::vector<Vec2> kept;
-        for (std::size_t i = 0; i < region_.size(); ++i) {
-            const Vec2 &p = region_[i], &q = region_[(i + 1) % region_.size()];
-            const double dp = inside(p), dq = inside(q);
-            if (dp >= 0) kept.push_back(p);
-            if ((dp >= 0) != (dq >= 0)) kept.push_back(p + dp / (dp - dq) * (q - p));
-        }
-        region_ = std::move(kept);
+        region_ = cut(region_, inside);
+    }
+}
+
+void SceneGeometry::find_walls() {
+    for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
+        if (!scene_.competes(i) || !std::holds_alternative<HollowSphere>(scene_.objects[i])) continue;
+        const auto is_within = [&](const Vec2& q) {
+            return distance_to(i, origin_ + q.x() * across_[0] + q.y() * across_[1]) > object_rounding_[i];
+        };
+        if (!std::ranges::all_of(region_, is_within)) walls_.push_back(i);
     }
 }
 

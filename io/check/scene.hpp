@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "../../core/numbers/interval.hpp"
 #include "../../primitives/objects/scene.hpp"
 #include "../../primitives/objects/site.hpp"
 #include "curves.hpp"
@@ -52,9 +53,11 @@ public:
     std::optional<Ray> random_ray(std::mt19937_64& rng, double margin) const;
 
     double base_area() const;
-    /// What the faces' shadows on the base add up to: the base region's area, of spheres and cylinders at
-    /// radius 1.
-    double shadow() const;
+    /// What the faces' shadows on the base add up to, between bounds: the base region's area, of spheres and
+    /// cylinders at radius 1. Walls of vessels leave a part of a plane's region, of which no more is known.
+    Interval shadow() const;
+    /// Do walls of vessels leave a part of a plane's region, or touch its rim as far as rounding tells?
+    bool has_curved_rim() const { return !walls_.empty(); }
     /// How far the base point below p is from the part of the rim that a site names; infinite if it names
     /// none.
     double distance_from_rim(const Site& s, const Vec3& p) const;
@@ -105,6 +108,8 @@ private:
     double inside_end(std::uint32_t end, const Vec3& p) const;
     Vec3 from_axis(const Vec3& p) const;  // sphere: from the centre
     void find_region();
+    void find_walls();
+    double area_within(bool is_outer) const;
     void find_stretch();
     double speed(std::uint32_t side, const Vec3& direction) const;
     bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const;
@@ -118,6 +123,7 @@ private:
     std::array<Vec3, 2> across_;           // with normal_ an orthonormal, right-handed frame
     double radius_ = 0;                    // of the base
     std::vector<Vec2> region_;             // plane: a convex polygon, counter-clockwise
+    std::vector<std::uint32_t> walls_;     // plane: vessels that do not hold all of it
     std::array<double, 2> stretch_{0, 0};  // cylinder: along the axis, from origin_
     double scale_ = 0;
     std::vector<double> object_rounding_;

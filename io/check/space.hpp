@@ -187,7 +187,8 @@ private:
     }
 };
 
-/// A site as a condition on a point: that its excess is zero.
+/// A site as a condition on a point: that its excess is zero. The base's is the clearance: over a plane it
+/// asks for a point of the base, where a vessel's wall is its region's rim.
 struct Condition {
     Site site;
     bool at_rim =
@@ -232,6 +233,7 @@ public:
             return apart ? intersection(plain, *apart) : plain;
         }
         if (c.site.kind == Site::Kind::End) return inside_end(c.site.index, p);
+        if (c.site == Site::base()) return clearance(p);
         return inside_side(c.site.index, c.at_rim ? p - base_.distance(p) * base_.direction : p);
     }
     T object_excess(std::uint32_t i, const Vector<T>& p, const T& clearance) const {
@@ -258,6 +260,7 @@ public:
         }
         if (c.site.kind == Site::Kind::End)
             return c.site.index == 0 ? base_.direction : negative(base_.direction);
+        if (c.site == Site::base()) return up(p);
         const Vector<T> m = inwards(c.site.index);
         return c.at_rim ? m - dot(m, base_.direction) * base_.direction : m;
     }

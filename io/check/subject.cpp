@@ -42,8 +42,8 @@ Subject::Subject(const Cell& c, const SceneGeometry& g, Certificate& certificate
         if (uses[e].size() != 1) continue;
         const Site& outer = cell.edges[e].sites[!uses[e][0].reversed];
         // All of a complete cell's boundary has faces but the base, sides along its normals, and ends of
-        // parts.
-        if (over_rim(e, outer) && (!cell.is_complete || geometry.is_upright(outer) ||
+        // parts. A vessel's wall is the rim where it meets a base plane.
+        if (over_rim(e, outer) && ((!cell.is_complete && !outer.is_object()) || geometry.is_upright(outer) ||
                                    outer.kind == Site::Kind::End || is_on_base(e)))
             rim[e] = outer;
     }

@@ -245,6 +245,7 @@ private:
                         std::vector<Condition>& conditions) const {
         if (s.kind != Site::Kind::BoxSide || !geometry_.is_plane() || is_parallel(s)) {
             conditions.push_back({s});
+            if (both && is_on_rim_of(s, v)) conditions.push_back({Site::base()});
             return;
         }
         const Condition rim{s, true}, side{s, false};
@@ -267,6 +268,11 @@ private:
         }
         for (const Condition& c : {rim, side})
             if (off(c) <= limit) conditions.push_back(c);
+    }
+    /// Over a base plane: is the vertex where a vessel's wall meets the base, as far as it is told?
+    bool is_on_rim_of(const Site& s, const CellVertex& v) const {
+        return geometry_.is_plane() && s.is_object() && is_vessel(scene_.objects[s.index]) &&
+               magnitude(space().clearance(to_vector<Interval>(v.point))).lower() <= 2 * v.error + rounding();
     }
     /// Do the ways off the base lead out of the box through this side?
     bool leads_out(const Site& side) const {

@@ -37,6 +37,49 @@ constexpr double smallest_slope = 1e-125;
 // A part of a ball's size and distance: of balls nearer to the base than that, contact is asked exactly.
 constexpr double near_contact = 0x1p-40;
 
+// A ball in the world, a hollow one with its radius below 0, or what is exact.
+using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
+
+Vec3 center_of_ball(const Ball& ball) { return {ball.cx, ball.cy, ball.cz}; }
+
+// A ball of the world in canonical coordinates.
+ExactBall placed_ball(const PlaneFrame& frame, const Ball& ball) {
+    if (frame.keeps(center_of_ball(ball)))
+        return {ExactVector(frame.to_canonical(center_of_ball(ball))), ball.rho, 1.0};
+    return {frame.place(center_of_ball(ball)), frame.norm() * ball.rho, frame.norm()};
+}
+bool is_hollow_ball(const Ball& ball) { return ball.rho < 0; }
+Ball rounded_ball(const PlaneFrame& frame, const Ball& ball) {
+    const Vec3 c = frame.to_canonical(center_of_ball(ball));
+    return {c.x(), c.y(), c.z(), ball.rho};
+}
+
+// The height of a ball of the world.
+ExactForm exact_form(const PlaneFrame& frame, const Ball& ball) {
+    const ExactForm form = exact_ball_form(placed_ball(frame, ball));
+    return is_hollow_ball(ball) ? -form : form;
+}
+CircularForm rounded_form(const PlaneFrame& frame, const Ball& ball) {
+    const CircularForm form = frame.keeps(center_of_ball(ball)) ? ball_form(rounded_ball(frame, ball))
+                                                                : ball_form(placed_ball(frame, ball));
+    return is_hollow_ball(ball) ? -form : form;
+}
+
+// Two balls' centres?
+bool are_on_one_normal(const FormSource& f, const FormSource& g, const Vec3& normal) {
+    const auto *p = std::get_if<Ball>(&f), *q = std::get_if<Ball>(&g);
+    if (p == nullptr || q == nullptr) return false;
+    return cross(ExactVector(center_of_ball(*p)) - ExactVector(center_of_ball(*q)), ExactVector(normal))
+        .is_zero();
+}
+
+AxisToBase axis_to_base(const Vec3& of_tube, const Vec3& of_base) {
+    const ExactVector axis(of_tube), normal(of_base);
+    return dot(axis, normal).sign() == Sign::Zero ? AxisToBase::Parallel
+           : cross(axis, normal).is_zero()        ? AxisToBase::Upright
+                                                  : AxisToBase::Oblique;
+}
+
 // ---- The problem ------------------------------------------------------------------------------------
 
 class ProblemBuilder {
@@ -63,10 +106,13 @@ public:
                 add(i, *plane);
             else if (const auto* cylinder = std::get_if<Cylinder>(&scene_.objects[i]))
                 add(i, *cylinder);
+            else if (const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[i]))
+                add(i, *vessel);
             else
                 objects_.fail(
                     Kind::Unsupported, i,
-                    "is a vessel, which bounds the cells of balls and cylinders: the base is a plane");
+                    "is a hollow cylinder or cone, which bounds the cells of balls and cylinders: the base "
+                    "is a plane");
         }
         if (objects_.cylinders.size() > 0) drop_hidden();
         make_forms();
@@ -79,7 +125,9 @@ public:
         problem.moved = std::max(frame_->moved(), by_lengths);
         problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
         problem.region = sides_;
-        if (has_floor_) problem.region_in_box = base_region(base_, scene_.box, box_);
+        if (!floor_.empty())
+            problem.region_in_box = has_floor_ ? base_region(base_, scene_.box, box_) : sides_;
+        problem.has_curved_rim = is_cut_by_vessel_;
         problem.floor = std::move(floor_);
         for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
         for (std::size_t i = 0; i < sides_.size() && !has_floor_; ++i)
@@ -89,19 +137,14 @@ public:
         for (const std::uint32_t i : objects_.cylinders.objects) {
             if (!objects_.is_kept(i)) continue;
             problem.family.cylinders.push_back(form_of(i));
-            const ExactVector axis(std::get<Cylinder>(scene_.objects[i]).axis), normal(base_.normal);
-            problem.axes.push_back(dot(axis, normal).sign() == Sign::Zero ? AxisToBase::Parallel
-                                   : cross(axis, normal).is_zero()        ? AxisToBase::Upright
-                                                                          : AxisToBase::Oblique);
+            problem.axes.push_back(axis_to_base(std::get<Cylinder>(scene_.objects[i]).axis, base_.normal));
         }
         problem.on_one_normal = [sources = sources_, normal = base_.normal](FormId f, FormId g) {
-            const auto *p = std::get_if<Ball>(&(*sources)[f]), *q = std::get_if<Ball>(&(*sources)[g]);
-            if (p == nullptr || q == nullptr) return false;
-            return cross(ExactVector(center(*p)) - ExactVector(center(*q)), ExactVector(normal)).is_zero();
+            return are_on_one_normal((*sources)[f], (*sources)[g], normal);
         };
         problem.family.exact = [sources = sources_, frame = frame_](FormId f) -> ExactForm {
             const FormSource& source = (*sources)[f];
-            if (const auto* ball = std::get_if<Ball>(&source)) return exact_ball_form(placed(*frame, *ball));
+            if (const auto* ball = std::get_if<Ball>(&source)) return exact_form(*frame, *ball);
             return *std::get<std::shared_ptr<const ExactForm>>(source);
         };
         objects_.warn(sites_, "behind the base", problem.warnings);
@@ -110,9 +153,6 @@ public:
     }
 
 private:
-    // A ball in the world, or what is exact.
-    using FormSource = std::variant<Ball, std::shared_ptr<const ExactForm>>;
-
     [[noreturn]] void fail_touching(std::uint32_t object, Sign depth, const Eigen::Vector2d& place) const {
         const Vec3 world = frame_->motion().to_world({place.x(), place.y(), 0});
         objects_.fail(Kind::TouchesBase, object,
@@ -120,21 +160,10 @@ private:
                           to_text(unit_ * world));
     }
 
-    // A ball of the world in canonical coordinates.
-    static ExactBall placed(const PlaneFrame& frame, const Ball& ball) {
-        if (frame.keeps(center(ball))) return {ExactVector(frame.to_canonical(center(ball))), ball.rho, 1.0};
-        return {frame.place(center(ball)), frame.norm() * ball.rho, frame.norm()};
-    }
-    static Vec3 center(const Ball& ball) { return {ball.cx, ball.cy, ball.cz}; }
-    static Ball rounded(const PlaneFrame& frame, const Ball& ball) {
-        const Vec3 c = frame.to_canonical(center(ball));
-        return {c.x(), c.y(), c.z(), ball.rho};
-    }
-
     void add(std::uint32_t i, const Sphere& sphere) {
         const Ball world{sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius};
         const bool is_kept = frame_->keeps(sphere.center);
-        const Ball ball = rounded(*frame_, world);
+        const Ball ball = rounded_ball(*frame_, world);
         // A base that has turned by rounding may part from what touches it in the scene.
         const double size = std::hypot(ball.cx, ball.cy, ball.cz) + ball.rho;
         if (!frame_->is_exact() && std::abs(ball.cz) <= ball.rho + near_contact * size) {
@@ -143,7 +172,7 @@ private:
                         height = dot(n, ExactVector(sphere.center) - ExactVector(base_.point));
             const Exact power = square * Exact(sphere.radius) * sphere.radius - height * height;
             if (power.sign() != Sign::Negative) {
-                const ExactBall exact = placed(*frame_, world);
+                const ExactBall exact = placed_ball(*frame_, world);
                 const Sign depth = region_.reach({square * exact.c.x, square * exact.c.y, square * exact.d},
                                                  power * square * exact.d * exact.d);
                 if (depth != Sign::Negative)
@@ -151,7 +180,7 @@ private:
             }
         }
         if (!is_kept || (!(ball.cz > ball.rho) && !(ball.cz < -ball.rho))) {
-            const ExactBall exact = placed(*frame_, world);
+            const ExactBall exact = placed_ball(*frame_, world);
             if (exact.behind().sign() != Sign::Positive && exact.width().sign() != Sign::Negative) {
                 // The sphere meets the base plane in a disk of squared radius (rho - cz)(rho + cz) >= 0.
                 const Sign depth =
@@ -164,6 +193,19 @@ private:
             return objects_.leave_out_unmet(i);
         }
         objects_.balls.add(world, i);
+    }
+
+    // The wall is reached above the base points within its disk on the base, of squared radius (R - cz)(R +
+    // cz): there the height is positive, on the rim 0, and less beyond it.
+    void add(std::uint32_t i, const HollowSphere& vessel) {
+        const Ball world{vessel.center.x(), vessel.center.y(), vessel.center.z(), -vessel.radius};
+        const ExactBall exact = placed_ball(*frame_, world);
+        const ExactPoint c{exact.c.x, exact.c.y, exact.d};
+        const Exact power = -(exact.behind() * exact.width());
+        if (power.sign() != Sign::Positive || region_.reach(c, power) != Sign::Positive)
+            fail_empty("holds none of the base plane within the wall of " + object_path(scene_, i));
+        is_cut_by_vessel_ = is_cut_by_vessel_ || !region_.lies_in_disk(c, power);
+        vessels_.add(world, i);
     }
 
     void add(std::uint32_t i, const Plane& plane) {
@@ -334,23 +376,16 @@ private:
         std::vector<FormId> ball_forms(balls.size()), linear_forms(linear.size());
         forms_.reserve(balls.size() + linear.size());
         sites_.reserve(balls.size() + linear.size() + objects_.cylinders.size());
-        const auto add_ball = [&](std::size_t i) {
-            if (!objects_.is_kept(balls.objects[i])) return;
-            const Site own = objects_.site(balls.objects[i]);
-            if (first_ball[i] < i) {
-                ball_forms[i] = ball_forms[first_ball[i]];
-                sites_.join(ball_forms[i], own);
-                return;
-            }
-            const Ball& ball = balls.items[i];
-            const bool is_kept = frame_->keeps(center(ball));
-            const CircularForm f =
-                is_kept ? ball_form(rounded(*frame_, ball)) : ball_form(placed(*frame_, ball));
-            check_range(f.e, is_kept ? rounded(*frame_, ball).cz == ball.rho : f.e == 0, own);
-            check_range(f.w, false, own);
-            ball_forms[i] = forms_.push_back(f);
-            sources_->push_back(ball);
-            sites_.add(own);
+        std::vector<FormId> vessel_forms(vessels_.size());
+        const std::vector<std::uint32_t> first_vessel = first_equal(vessels_.items);
+        const auto add_round = [&](const WorldObjects::Listed<Ball>& listed, const auto& first, auto& forms,
+                                   std::size_t i) {
+            if (!objects_.is_kept(listed.objects[i])) return;
+            const Site own = objects_.site(listed.objects[i]);
+            if (first[i] < i)
+                sites_.join(forms[i] = forms[first[i]], own);
+            else
+                forms[i] = add_ball_form(listed.items[i], own);
         };
         const auto add_linear = [&](std::size_t i) {
             if (first_linear[i] < i) {
@@ -363,17 +398,38 @@ private:
             sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
             sites_.add(linear_sites[i]);
         };
-        std::size_t ball = 0;
+        std::size_t ball = 0, vessel = 0;
+        const auto add_balls_before = [&](Site end) {
+            while (ball < balls.size() && objects_.site(balls.objects[ball]) < end)
+                add_round(balls, first_ball, ball_forms, ball++);
+        };
+        // The last of them is a side of the box: there is one that rays leave through.
         for (std::size_t i = 0; i < linear.size(); ++i) {
-            while (ball < balls.size() && objects_.site(balls.objects[ball]) < linear_sites[i])
-                add_ball(ball++);
+            for (; vessel < vessels_.size(); ++vessel) {
+                const Site own = objects_.site(vessels_.objects[vessel]);
+                if (!(own < linear_sites[i])) break;
+                add_balls_before(own);
+                add_round(vessels_, first_vessel, vessel_forms, vessel);
+            }
+            add_balls_before(linear_sites[i]);
             add_linear(i);
         }
-        while (ball < balls.size()) add_ball(ball++);
-        if (has_floor_) add_floor(linear, linear_sites);
+        if (has_floor_ || is_cut_by_vessel_) add_floor(linear, linear_sites);
     }
 
-    // The base, and the sides through which rays come in.
+    FormId add_ball_form(const Ball& ball, Site site) {
+        const CircularForm f = rounded_form(*frame_, ball);
+        const bool is_on_base = frame_->keeps(center_of_ball(ball))
+                                    ? std::abs(rounded_ball(*frame_, ball).cz) == std::abs(ball.rho)
+                                    : f.e == 0;
+        check_range(f.e, is_on_base, site);
+        check_range(f.w, false, site);
+        sources_->push_back(ball);
+        sites_.add(site);
+        return forms_.push_back(f);
+    }
+
+    // The base, and with a region for them the sides through which rays come in.
     void add_floor(const std::vector<LinearForm>& others, const std::vector<Site>& sites) {
         const auto add = [&](const LinearForm& form, Site site) {
             for (std::size_t i = 0; i < others.size(); ++i)
@@ -387,6 +443,7 @@ private:
             sites_.add(site);
         };
         add({Exact(), Exact(), Exact(), Exact(1.0)}, Site::base());
+        if (!has_floor_) return;
         for (const BoxSide& side : box_)
             if (side.m.z() < 0 && (side.m.x() != 0 || side.m.y() != 0))
                 add({side.m.x(), side.m.y(), -side.k, -side.m.z()}, Site::box_side(side.index));
@@ -416,6 +473,8 @@ private:
 
     WorldObjects objects_;                          // planes with the region on the positive side
     std::vector<HalfSpaceOverBase> placed_planes_;  // in canonical coordinates
+    WorldObjects::Listed<Ball> vessels_;            // hollow
+    bool is_cut_by_vessel_ = false;                 // the base region
     bool planes_turn_ = false;                      // with the base
 
     IdVector<FormId, CircularForm> forms_;

@@ -6,6 +6,7 @@
 ///     sphere (c, rho)          C = |(x,y) - (cx,cy)|^2 + cz^2 - rho^2,   beta = cz + rho
 ///     plane n.p + D, side s    C = s (nx x + ny y + D),                  beta = (|n| - s nz) / 2
 ///     box side m.p <= k        C = k - m.(x, y, 0),                      beta = mz / 2
+///     hollow sphere (c, R)     C = R^2 - cz^2 - |(x,y) - (cx,cy)|^2,     beta = R - cz
 ///
 /// with beta <= 0: never met. Cylinders are CylinderForms (primitives/forms/cylinder_form.hpp), never met
 /// where the axis is parallel to the base and the cylinder nowhere above it. All others are CircularForms
@@ -39,11 +40,14 @@ struct PlaneBaseProblem : BaseProblem {
     std::vector<AxisToBase> axes;
     /// Are the centres of two forms' balls on one normal of the base? Likewise.
     std::function<bool(FormId, FormId)> on_one_normal;
-    /// Of complete_plane_base_problem(): the part of the base in the box, of which `region` is then more.
+    /// With a floor: the part of the base in the box. `region` is more of complete_plane_base_problem().
     std::vector<RegionSide> region_in_box;
-    /// Likewise: over all of these rays begin, the base itself first, then sides of the box. They are forms,
-    /// the last ones but for cylinders', but do not compete.
+    /// Of complete_plane_base_problem(), and where a vessel's wall cuts the region: over all of these rays
+    /// begin, the base itself first, then sides of the box. They are forms, the last ones but for cylinders',
+    /// but do not compete. Base points beyond a wall have heights below 0, so that none of the cell is over
+    /// them, and its rim is where the least height is that of the base.
     std::vector<FormId> floor;
+    bool has_curved_rim = false;  ///< does a vessel's wall cut the region?
 
     /// Holds the region {x0, x1, y0, y1}, but for the rounding of its corners.
     std::array<double, 4> chart_box() const;
@@ -56,8 +60,9 @@ struct PlaneBaseProblem : BaseProblem {
     }
 };
 
-/// Throws InputError: Unsupported for bases that are no planes, EmptyBox when no region
-/// of positive area lies both on the base and in the box (or the cell's side of it has no room),
+/// Throws InputError: Unsupported for bases that are no planes, and for hollow cylinders and cones, EmptyBox
+/// when no region of positive area lies both on the base and in the box (or the cell's side of it has no
+/// room), or none of it within the wall of a hollow sphere,
 /// TouchesBase (with object and place) for an object that cuts or touches the closed base region,
 /// OutOfRange where a height's coefficients leave the double range. All of it by exact signs.
 /// An object that meets the base outside the region only is legal.

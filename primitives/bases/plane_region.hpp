@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -95,6 +96,14 @@ public:
                 consider(r2 * (Exact(side.a) * side.a + Exact(side.b) * side.b) - value * value);
         }
         return inside ? r2.sign() : *best;
+    }
+
+    // Is the region inside the disk about p of squared radius r2 / p.d^2? It is convex, and corners tell.
+    bool lies_in_disk(const ExactPoint& p, const Exact& r2) const {
+        return std::ranges::all_of(corners_, [&](const ExactPoint& q) {
+            const Exact dx = q.x * p.d - p.x * q.d, dy = q.y * p.d - p.y * q.d;
+            return (r2 * q.d * q.d - dx * dx - dy * dy).sign() == Sign::Positive;
+        });
     }
 
     // Sign of the smallest value of trace - level over the closed region. The trace is convex: the minimum is

@@ -322,7 +322,7 @@ TEST_CASE("forms: double fields are within 4u of the exact ones") {
         Scene scene = square_scene();
         // Tiny gaps and tilts make every sum and difference in the formulas cancel.
         const double tiny = std::ldexp(unit(rng), -static_cast<int>(rng() % 40));
-        scene.objects = {Sphere{{unit(rng), unit(rng), 0.7}, 0.7 - std::abs(tiny)},
+        scene.objects = {Sphere{{unit(rng), unit(rng), 0.7}, 0.7 - 0.7 * std::abs(tiny)},
                          Sphere{{4.0, unit(rng), tiny}, 1.0},
                          Sphere{{4.0, unit(rng), -1 + std::abs(tiny)}, 1.0},
                          Plane{{0, 0, -3}, {tiny, unit(rng) * tiny, 1}},

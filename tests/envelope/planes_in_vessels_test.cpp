@@ -1,0 +1,240 @@
+/// Cells of base planes in hollow spheres, whose region has a curved rim, against distances alone.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "../../core/errors.hpp"
+#include "../../envelope/point_query.hpp"
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../envelope/voronoi_diagram.hpp"
+#include "../test_support.hpp"
+#include "vessel_oracle.hpp"
+
+namespace vcell {
+namespace {
+
+using vessel_oracle::away;
+using vessel_oracle::pi;
+
+const Box wide{{-2, -2, -2}, {2, 2, 2}};
+
+// A plane's normal with the axes across it.
+struct Axes {
+    Vec3 up, x, y;
+
+    explicit Axes(const Plane& base) : up(base.normal.normalized()), x(up.unitOrthogonal()), y(up.cross(x)) {}
+};
+
+// How high the cell is over a point of the base; none where there is no cell.
+std::optional<double> height_over(const Scene& scene, const Vec3& foot) {
+    const Vec3 up = Axes(std::get<Plane>(scene.base)).up;
+    const auto is_in = [&](double t) {
+        const Vec3 p = foot + t * up;
+        return vessel_oracle::inside_box(scene.box, p) >= 0 &&
+               std::ranges::all_of(scene.objects, [&](const Object& o) { return away(o, p) >= t; });
+    };
+    if (!is_in(0)) return std::nullopt;
+    double low = 0, high = scene.box.diagonal();
+    for (int i = 0; i < 50; ++i) (is_in(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    return low;
+}
+
+// By a rule of points on a square grid. The boundary of what it is taken over leaves an error of about the
+// step, times how much of it there is, over the square root of how many steps that takes.
+struct Sampled {
+    double volume = 0, base_area = 0, highest = 0;
+
+    Sampled(const Scene& scene, int rows) {
+        const auto& base = std::get<Plane>(scene.base);
+        const Axes axes(base);
+        const double size = 0.5 * scene.box.diagonal(), step = 2 * size / rows;
+        const Vec3 middle = 0.5 * (scene.box.min + scene.box.max),
+                   origin = middle - axes.up.dot(middle - base.point) * axes.up;
+        for (int i = 0; i < rows; ++i)
+            for (int k = 0; k < rows; ++k) {
+                const Vec3 foot =
+                    origin + (-size + (i + 0.5) * step) * axes.x + (-size + (k + 0.5) * step) * axes.y;
+                const auto height = height_over(scene, foot);
+                if (!height) continue;
+                volume += step * step * *height;
+                base_area += step * step;
+                highest = std::max(highest, *height);
+            }
+    }
+};
+
+void check_against_samples(const Scene& scene, const Cell& cell, int rows = 200) {
+    const Sampled sampled(scene, rows);
+    CHECK(cell.measures.volume == doctest::Approx(sampled.volume).epsilon(0.01));
+    CHECK(cell.measures.base_area == doctest::Approx(sampled.base_area).epsilon(0.01));
+    CHECK(cell.measures.max_clearance >= sampled.highest - cell.measures.max_clearance_error - 1e-9);
+    CHECK(cell.measures.max_clearance == doctest::Approx(sampled.highest).epsilon(0.02));
+}
+
+// Every vertex is as far from all its sites as from the base, or, where two are, from the rim on the base.
+void check_vertices_on(const Cell& cell) {
+    const auto& base = std::get<Plane>(cell.scene.base);
+    for (const CellVertex& v : cell.vertices) {
+        const double slop = 4 * v.error + 1e-13 * cell.scene.box.diagonal();
+        CHECK(std::abs(base.normal.normalized().dot(v.point - base.point) - v.radius) <= slop);
+        for (const Site& s : v.sites)
+            if (s.is_object()) CHECK(std::abs(away(cell.scene.objects[s.index], v.point) - v.radius) <= slop);
+        for (const Object& o : cell.scene.objects) CHECK(away(o, v.point) >= v.radius - slop);
+    }
+}
+
+TEST_CASE("planes in vessels: alone in a hollow sphere a plane has all below a paraboloid") {
+    for (const double height : {0.0, 0.5, -0.5}) {
+        CAPTURE(height);
+        Scene scene;
+        scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+        scene.objects = {HollowSphere{{0.25, 0, height}, 1.25}};
+        scene.box = wide;
+        const Cell cell = voronoi_cell(scene);
+        REQUIRE(cell.faces.size() == 1);
+        CHECK(cell.faces[0].bisector == "paraboloid");
+        REQUIRE(cell.edges.size() == 1);
+        CHECK(cell.edges[0].vertices.empty());
+        CHECK(cell.edges[0].kind == CurveKind::Circle);
+        CHECK(cell.edges[0].sites == std::array{Site::object(0), Site::object(0)});
+        const Measures& m = cell.measures;
+        const double square = 1.25 * 1.25 - height * height, width = 2 * (1.25 - height);
+        const auto check = [](double value, double error, double truth) {
+            CHECK(std::abs(value - truth) <= error + 1e-15);
+            CHECK(error < 1e-12);
+        };
+        check(m.base_area, m.base_area_error, pi * square);
+        check(m.volume, m.volume_error, pi * square * square / (2 * width));
+        check(m.min_clearance, m.min_clearance_error, 0);
+        check(m.max_clearance, m.max_clearance_error, 0.5 * (1.25 + height));
+        check(cell.edges[0].length, cell.edges[0].length_error, 2 * pi * std::sqrt(square));
+        CHECK(!m.touches_box);
+        CHECK(cell.neighbors == std::vector<std::uint32_t>{0});
+    }
+}
+
+TEST_CASE("planes in vessels: walls that cross, the box and other objects bound what is over the base") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0.125}, {0, 0, 1}};
+    scene.box = wide;
+    SUBCASE("two walls") {
+        scene.objects = {HollowSphere{{0.5, 0, 0}, 1.25}, HollowSphere{{-0.5, 0.25, 0.5}, 1.5},
+                         Sphere{{0, 0, 0.75}, 0.25}};
+    }
+    SUBCASE("a wall and the box") {
+        scene.box.max.x() = 0.75;
+        scene.objects = {HollowSphere{{0.25, 0, 0.25}, 1.5}, Sphere{{0.25, 0.25, 1}, 0.25},
+                         Plane{{0, 0, 1.25}, {0, 0.25, 1}}};
+    }
+    SUBCASE("a wall and tubes") {
+        scene.objects = {HollowSphere{{0.25, 0, 0.25}, 1.5}, Cylinder{{0, 0, 0.75}, {1, 0.5, 0.125}, 0.125},
+                         Cylinder{{0.25, 0, 0.75}, {1, -0.5, 0}, 0.125}};
+    }
+    SUBCASE("all of the region is within the wall") {
+        scene.box = {{-0.75, -0.5, -1}, {0.5, 0.75, 1}};
+        scene.objects = {HollowSphere{{0, 0, 0.25}, 1.25}, Sphere{{0.25, 0.25, 1}, 0.25}};
+    }
+    SUBCASE("a leaning base") {
+        scene.base = Plane{{0, 0, -0.125}, {0.125, 0.25, 1}};
+        scene.objects = {HollowSphere{{0.25, 0, 0.25}, 1.5}, Sphere{{0.25, 0.25, 1}, 0.25},
+                         Sphere{{-0.25, 0.5, 0.5}, 0.25}, HollowSphere{{-0.5, 0.25, 0.5}, 1.625}};
+    }
+    const Cell cell = voronoi_cell(scene);
+    check_against_samples(scene, cell);
+    check_vertices_on(cell);
+}
+
+TEST_CASE("planes in vessels: random balls over random planes") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int round = 0; round < long_rounds(6); ++round) {
+        CAPTURE(round);
+        Scene scene;
+        scene.base =
+            Plane{0.2 * Vec3(unit(rng), unit(rng), unit(rng)), Vec3(unit(rng), unit(rng), unit(rng))};
+        scene.box = wide;
+        scene.objects = {HollowSphere{0.3 * Vec3(unit(rng), unit(rng), unit(rng)), 1.5},
+                         HollowSphere{0.5 * Vec3(unit(rng), unit(rng), unit(rng)), 1.75}};
+        while (scene.objects.size() < 12) {
+            const Sphere ball{1.3 * Vec3(unit(rng), unit(rng), unit(rng)), 0.1 + 0.1 * std::abs(unit(rng))};
+            if (std::abs(away(scene.base, ball.center)) > 1.05 * ball.radius) scene.objects.push_back(ball);
+        }
+        const Cell cell = voronoi_cell(scene);
+        check_against_samples(scene, cell);
+        check_vertices_on(cell);
+        PointQuery query(scene);
+        const Axes axes(std::get<Plane>(scene.base));
+        for (int i = 0; i < 200; ++i) {
+            const Vec3 foot =
+                std::get<Plane>(scene.base).point + 2 * unit(rng) * axes.x + 2 * unit(rng) * axes.y;
+            const auto height = height_over(scene, foot);
+            if (height && *height < 1e-6) continue;
+            const double t = height ? 0.5 * *height : 0.1;
+            const auto answer = query(foot + t * axes.up);
+            CHECK(answer.has_value() == height.has_value());
+            if (!answer || !height) continue;
+            CHECK(answer->inside);
+            CHECK(answer->clearance == doctest::Approx(*height).epsilon(1e-9).scale(1));
+        }
+    }
+}
+
+TEST_CASE("planes in vessels: none is left of a plane beyond the walls") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.box = wide;
+    const auto is_empty = [&](std::vector<Object> objects) {
+        scene.objects = std::move(objects);
+        try {
+            voronoi_cell(scene);
+        } catch (const InputError& e) {
+            return e.kind == InputError::Kind::EmptyBox;
+        }
+        return false;
+    };
+    CHECK(is_empty({HollowSphere{{0, 0, 1.25}, 1}}));
+    CHECK(is_empty({HollowSphere{{0, 0, 1}, 1}}));  // touches it
+    CHECK(is_empty({HollowSphere{{0, 0, -1.25}, 1}}));
+    CHECK(is_empty({HollowSphere{{4, 0, 0}, 1}}));
+    CHECK(is_empty({HollowSphere{{1, 0, 0}, 0.75}, HollowSphere{{-1, 0, 0}, 0.75}}));
+    CHECK(is_empty({HollowSphere{{1, 0, 0}, 1}, HollowSphere{{-1, 0, 0}, 1}}));
+    CHECK(!is_empty({HollowSphere{{1, 0, 0}, 1.0625}, HollowSphere{{-1, 0, 0}, 1}}));
+}
+
+// What is nearest to a plane, on both of its sides, by random points.
+TEST_CASE("planes in vessels: whole diagrams have cells of planes in hollow spheres") {
+    DiagramScene scene;
+    scene.objects = {Plane{{0, 0, -0.5}, {0.25, 0, 1}}, HollowSphere{{0, 0, 0}, 1.5},
+                     Sphere{{0.25, 0, 0.5}, 0.375}, Sphere{{-0.5, 0.25, 0.25}, 0.25},
+                     Plane{{0, 0, -1.625}, {0, 0, 1}}};
+    scene.box = {Vec3::Constant(-1.5), Vec3::Constant(1.5)};
+    const VoronoiDiagram diagram = voronoi_diagram(scene);
+    CHECK(diagram.cells[1].state == DiagramCell::State::Wall);
+    CHECK(diagram.cells[4].state == DiagramCell::State::Empty);
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1.5, 1.5);
+    std::vector<int> hits(scene.objects.size(), 0);
+    constexpr int samples = 100'000;
+    for (int i = 0; i < samples; ++i) {
+        const Vec3 p(unit(rng), unit(rng), unit(rng));
+        const auto nearest =
+            std::ranges::min_element(scene.objects, {}, [&](const Object& o) { return away(o, p); });
+        ++hits[static_cast<std::size_t>(nearest - scene.objects.begin())];
+    }
+    for (const std::size_t i : {0u, 2u, 3u}) {
+        CAPTURE(i);
+        CHECK(diagram.cells[i].state == DiagramCell::State::Computed);
+        const double part = static_cast<double>(hits[i]) / samples;
+        CHECK(std::abs(diagram.cells[i].volume / 27 - part) <= 5 * std::sqrt(part / samples));
+    }
+    scene.objects.push_back(HollowCylinder{{0, 0, 0}, {0, 0, 1}, 2});
+    CHECK(voronoi_diagram(scene).cells[0].state == DiagramCell::State::Wall);
+}
+
+}  // namespace
+}  // namespace vcell
