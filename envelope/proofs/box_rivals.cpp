@@ -75,7 +75,7 @@ std::vector<Spread> BoxRivals::lowest_spreads(const std::array<double, 4>& box,
 
 std::vector<FormId> BoxRivals::cull(const std::array<double, 4>& box, std::span<const FormId> candidates) {
     normals_.reset();
-    const std::vector<FormId> open = all_.not_hidden(candidates, {box[2], box[3]});
+    const std::vector<FormId> open = all_.not_hidden(candidates, {box[0], box[1]}, {box[2], box[3]});
     if (!heights_.family().hidden.empty()) candidates = open;
     if (all_.compare_by_supports(std::max(box[1] - box[0], box[3] - box[2]),
                                  all_.extent_at({box[0], box[1]}, {box[2], box[3]}))) {

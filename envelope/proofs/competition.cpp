@@ -62,11 +62,12 @@ bool Competition::have_twins(const SupportRivals& rivals) const {
     return false;
 }
 
-std::vector<FormId> Competition::not_hidden(std::span<const FormId> candidates, const Interval& y) const {
+std::vector<FormId> Competition::not_hidden(std::span<const FormId> candidates, const Interval& x,
+                                            const Interval& y) const {
     std::vector<FormId> open;
     if (heights_.family().hidden.empty()) return open;
     for (const FormId f : candidates)
-        if (!heights_.family().is_hidden(f, y)) open.push_back(f);
+        if (!heights_.family().is_hidden(f, x, y)) open.push_back(f);
     return open;
 }
 

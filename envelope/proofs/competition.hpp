@@ -84,9 +84,10 @@ public:
     /// Counts a coincidence that is taken for granted about a place, and lists it.
     void assume(const Eigen::Vector2d& place, double width, std::vector<FormId> forms);
 
-    /// The candidates without those that are known to be nowhere lowest over a range of y, but where they tie
+    /// The candidates without those that are known to be nowhere lowest over a rectangle, but where they tie
     /// with others; none if the family has no such forms.
-    std::vector<FormId> not_hidden(std::span<const FormId> candidates, const Interval& y) const;
+    std::vector<FormId> not_hidden(std::span<const FormId> candidates, const Interval& x,
+                                   const Interval& y) const;
     /// Over a sphere the lowest one at a point in doubles, if these tell.
     std::optional<FormId> certainly_lowest(const IntervalPoint& p, std::span<const FormId> candidates) const;
     /// Over a sphere those that may be lowest somewhere in a box. Supports are compared with errors that are

@@ -86,7 +86,7 @@ bool are_one_along(const FormFamily& family, const PieceSide& side, const Eigen:
 template <class Exactly>
 SideLabelling::Lowest SideLabelling::lowest_at(const IntervalPoint& p, std::span<const FormId> candidates,
                                                Exactly&& exactly) {
-    const std::vector<FormId> open = all_.not_hidden(candidates, p[1]);
+    const std::vector<FormId> open = all_.not_hidden(candidates, p[0], p[1]);
     if (!heights_.family().hidden.empty()) candidates = open;
     if (const auto f = all_.certainly_lowest(p, candidates)) {
         ++decisions_.by_double;
@@ -144,7 +144,7 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
     Rivals out{{}, 0};
     const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
     const double extent = all_.extent_at(range[0], range[1]);
-    const std::vector<FormId> open = all_.not_hidden(candidates, range[1]);
+    const std::vector<FormId> open = all_.not_hidden(candidates, range[0], range[1]);
     if (!heights_.family().hidden.empty()) candidates = open;
     std::vector<FormId> left;  // where supports do not tell twins apart
     if (all_.compare_by_supports(s1 - s0, extent)) {

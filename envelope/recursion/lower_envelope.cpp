@@ -227,7 +227,8 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
     // What is nowhere lowest may show beside a floor.
     std::vector<RingTie> ties;
     if (options.floor.empty()) ties = find_ring_ties(scaled.radial, y0 / unit, y1 / unit);
-    for (const RingTie& tie : ties) scaled.hidden.push_back({FormId{tie.form}, tie.from, tie.to});
+    for (const RingTie& tie : ties)
+        scaled.hidden.push_back({FormId{tie.form}, {-infinity, infinity}, {tie.from, tie.to}});
     const double most = std::max(1.0, unit);
     const auto to_length = [&](Assumption& a) {
         a.place.y() *= unit;

@@ -25,6 +25,29 @@ using cylinder_forms::CylinderFrame;
 using cylinder_forms::Side;
 using Kind = InputError::Kind;
 
+// With the objects that equal one of them, which FoundForms::add_twins() adds to sites that have a form.
+template <class Sites>
+std::vector<Site> with_equal_ones(const Sites& sites, const RadialObjects& objects, std::size_t count) {
+    std::vector<Site> all(sites.begin(), sites.end());
+    for (std::uint32_t i = 0; objects.has_merged() && i < count; ++i) {
+        const std::uint32_t owner = objects.owner(i);
+        if (owner == RadialObjects::none || owner == i) continue;
+        if (std::ranges::find(sites, objects.site(owner)) != sites.end()) all.push_back(objects.site(i));
+    }
+    return all;
+}
+
+// Pre: no floor, beside which what is nowhere lowest may show.
+template <class Sites>
+void add_passing_ties(const Sites& sites, RadialBaseProblem& problem) {
+    for (const PassingTie& tie : find_passing_ties(problem.family.radial)) {
+        for (const std::array<double, 2>& x : tie.ranges)
+            problem.family.hidden.push_back({FormId{tie.form}, x, {-infinity, infinity}});
+        for (const Site site : sites[FormId{tie.form}])
+            problem.generator_ties.push_back({site, FormId{tie.before}, FormId{tie.after}, true});
+    }
+}
+
 class CylinderProblem {
 public:
     CylinderProblem(const Scene& scene, const Cylinder& base, double unit, const CylinderPart* part)
@@ -380,10 +403,12 @@ private:
             problem.family.radial.push_back(CylinderForms::turned(e.form));
         }
         for (const AxialTie& tie : ties)
-            for (const Site site : entries[tie.middle].sites)
+            for (const Site site :
+                 with_equal_ones(entries[tie.middle].sites, objects_, scene_.objects.size()))
                 problem.generator_ties.push_back(
                     {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
         found.add_twins(objects_);
+        if (problem.floor.empty()) add_passing_ties(found.sites, problem);
         problem.frame = motion_;
         problem.unit = unit_;
         problem.moved = moved() + rounded;

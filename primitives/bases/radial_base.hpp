@@ -57,9 +57,9 @@ struct RadialBaseProblem : BaseProblem {
     /// rounding. Of sides of the box as above.
     Cylinder given_base;
     IdVector<FormId, Object> given;
-    /// A site along a cylinder base that is as near as two forms over one generator, and nowhere nearer than
-    /// the nearer of them (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no
-    /// form.
+    /// A site along a cylinder base that is as near as two forms over one generator, and no nearer than the
+    /// nearer of them about it (axial_ties.hpp): the fourth tube around a line of a square lattice. It has no
+    /// form, or is nearest elsewhere.
     struct GeneratorTie {
         Site site;
         FormId before, after;  ///< the nearer ones on both sides, as the angle about the y axis grows

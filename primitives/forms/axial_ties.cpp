@@ -104,9 +104,11 @@ bool is_nearly_between(const NearnessAtAngle& j, const NearnessAtAngle& a, const
                                      narrow_tie * std::abs(value) * (to_a - to_b).norm();
 }
 
-}  // namespace
-
-std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
+// Once around the axis, from one nearest form to the next: visit(j, a, b, F) for each form j that about a
+// generator is as near as the nearest ones before and behind it, a and b, over it F. With doubles they are
+// found, and nothing is decided.
+template <class Visit>
+void visit_changes(std::span<const RadialForm> forms, Visit&& visit) {
     constexpr double whole = 2 * std::numbers::pi, near = 1e-9;
     std::vector<NearnessAtAngle> all;
     for (std::uint32_t i = 0; i < forms.size(); ++i) {
@@ -115,8 +117,7 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
         const double c = nearest(f.c[0]);
         all.push_back({i, nearest(f.b[0]) / c, nearest(f.b[2]) / c, nearest(f.b0) / c});
     }
-    std::vector<AxialTie> ties;
-    if (all.size() < 3) return ties;
+    if (all.size() < 3) return;
     // All that are nearest over a generator, the one that is nearest beyond it first.
     const auto nearest_at = [&](double angle) {
         std::vector<const NearnessAtAngle*> here;
@@ -129,7 +130,7 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
             std::ranges::max_element(here, {}, [&](const NearnessAtAngle* n) { return n->slope(angle); }));
         return here;
     };
-    // Once around, from one nearest form to the next, with as many steps as there can be changes.
+    // As many steps as there can be changes.
     double angle = 0;
     const NearnessAtAngle* current = nearest_at(angle).front();
     for (std::size_t step = 0; step < 2 * all.size() && angle < whole; ++step) {
@@ -139,21 +140,78 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
                 if (const double a = meeting(*current, n, angle + near); a < next) next = a;
         const std::vector<const NearnessAtAngle*> here = nearest_at(next);
         const NearnessAtAngle* following = here.front();
-        for (const NearnessAtAngle* n : here) {
-            if (n == current || n == following) continue;
-            const RadialForm &j = forms[n->form], &a = forms[current->form], &b = forms[following->form];
-            AxialTie tie{n->form, current->form, following->form, 0};
-            if (!is_between(j, a, b) && !touches_mean(j, a, b)) {
-                if (!is_nearly_between(*n, *current, *following, following->at(next))) continue;
-                const Vec3 to_j(n->x - current->x, n->z - current->z, n->w - current->w),
-                    to_b(following->x - current->x, following->z - current->z, following->w - current->w);
-                tie.move = move_between(j, a, b, to_j.dot(to_b) / to_b.squaredNorm());
-            }
-            if (std::ranges::find(ties, tie) == ties.end()) ties.push_back(tie);
-        }
+        for (const NearnessAtAngle* n : here)
+            if (n != current && n != following) visit(*n, *current, *following, following->at(next));
         current = following;
         angle = next;
     }
+}
+
+// The tangent of half the angle about (0, 0, 1) over the front, x, of the generator at p / p.z, and over the
+// back that about (0, 0, -1), plus 2. Pre: p.x^2 + p.y^2 = p.z^2 > 0.
+Interval chart_place(const ExactVector& p) {
+    const Sign side = p.z.sign();
+    const auto turned = [&](const Exact& e) { return side == Sign::Negative ? -e : e; };
+    const Exact sine = turned(p.x), cosine = turned(p.y), size = turned(p.z);
+    if (cosine.sign() != Sign::Negative) return sine.enclosure() / (size + cosine).enclosure();
+    return Interval(2.0) + (-sine).enclosure() / (size - cosine).enclosure();
+}
+
+// Where D, which is zero at p / p.z, is zero as well: p mirrored in the direction in which D grows most.
+ExactVector other_zero(const ExactVector& D, const ExactVector& p) {
+    const Exact square = D.x * D.x + D.y * D.y, along = D.x * p.x + D.y * p.y;
+    return {2.0 * along * D.x - square * p.x, 2.0 * along * D.y - square * p.y, square * p.z};
+}
+
+// How D changes there as the angle grows.
+Sign slope_at(const ExactVector& D, const ExactVector& p) {
+    return (D.x * p.y - D.y * p.x).sign() * p.z.sign();
+}
+
+// The ranges of PassingTie; none if it is no such tie, or its generator is not told from the others.
+std::vector<std::array<double, 2>> passing_ranges(const RadialForm& j, const RadialForm& a,
+                                                  const RadialForm& b) {
+    for (const RadialForm* f : {&j, &a, &b})
+        if (f->c[0].sign() != Sign::Positive) return {};
+    const ExactVector to_a = difference(j, a), to_b = difference(j, b), p = cross(to_a, to_b);
+    if (p.z.sign() == Sign::Zero || (p.x * p.x + p.y * p.y - p.z * p.z).sign() != Sign::Zero) return {};
+    if (slope_at(to_a, p) != Sign::Negative || slope_at(to_b, p) != Sign::Positive) return {};
+    constexpr double around = 4;  // of x
+    const Interval at = chart_place(p);
+    const auto ahead = [&](const Interval& from, const Interval& to) {
+        const Interval way = to - from;
+        return way.upper() < 0 ? way + Interval(around) : way;
+    };
+    const Interval back = ahead(chart_place(other_zero(to_a, p)), at),
+                   forth = ahead(at, chart_place(other_zero(to_b, p)));
+    if (!(back.lower() > 0 && forth.lower() > 0)) return {};
+    if ((back + forth).lower() > around) return {{-infinity, infinity}};
+    const double from = (at - Interval(back.lower())).upper(), to = (at + Interval(forth.lower())).lower();
+    std::vector<std::array<double, 2>> ranges{{from, to}};
+    if (from < -1) ranges = {{-infinity, to}, {(Interval(from) + Interval(around)).upper(), infinity}};
+    if (to > 3) {
+        ranges.back()[1] = infinity;
+        ranges.push_back({-infinity, (Interval(to) - Interval(around)).lower()});
+    }
+    return ranges;
+}
+
+}  // namespace
+
+std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
+    std::vector<AxialTie> ties;
+    visit_changes(forms, [&](const NearnessAtAngle& n, const NearnessAtAngle& before,
+                             const NearnessAtAngle& after, double value) {
+        const RadialForm &j = forms[n.form], &a = forms[before.form], &b = forms[after.form];
+        AxialTie tie{n.form, before.form, after.form, 0};
+        if (!is_between(j, a, b) && !touches_mean(j, a, b)) {
+            if (!is_nearly_between(n, before, after, value)) return;
+            const Vec3 to_j(n.x - before.x, n.z - before.z, n.w - before.w),
+                to_b(after.x - before.x, after.z - before.z, after.w - before.w);
+            tie.move = move_between(j, a, b, to_j.dot(to_b) / to_b.squaredNorm());
+        }
+        if (std::ranges::find(ties, tie) == ties.end()) ties.push_back(tie);
+    });
     // Nobody's neighbour may be left out itself, as when the walk began in a narrow strip.
     const auto is_middle = [&](std::uint32_t form) {
         return std::ranges::find(ties, form, &AxialTie::middle) != ties.end();
@@ -161,6 +219,20 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
     const bool is_sound = std::ranges::none_of(
         ties, [&](const AxialTie& t) { return is_middle(t.before) || is_middle(t.after); });
     if (!is_sound) ties.clear();
+    return ties;
+}
+
+std::vector<PassingTie> find_passing_ties(std::span<const RadialForm> forms) {
+    std::vector<PassingTie> ties;
+    visit_changes(forms, [&](const NearnessAtAngle& n, const NearnessAtAngle& before,
+                             const NearnessAtAngle& after, double) {
+        const auto is_known = [&](const PassingTie& t) {
+            return t.form == n.form && t.before == before.form && t.after == after.form;
+        };
+        if (std::ranges::any_of(ties, is_known)) return;
+        auto ranges = passing_ranges(forms[n.form], forms[before.form], forms[after.form]);
+        if (!ranges.empty()) ties.push_back({n.form, before.form, after.form, std::move(ranges)});
+    });
     return ties;
 }
 

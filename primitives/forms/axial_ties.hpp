@@ -11,6 +11,11 @@
 /// Nor is a form nearer whose F such a mean touches from above over the generator on which all three are
 /// equal, as a plane's half-way between two others that are as far from the axis, across it.
 ///
+/// Where it is no mean of the two, a form that ties with them over a generator is no nearer about it: F_a -
+/// F_j is zero over two generators at most and positive from the other one up to this one, F_b - F_j from
+/// this one up to its other one. So it is with tubes of any radii that touch one circle; beyond these
+/// generators the form may be the nearest one.
+///
 /// The coefficients of F are those of a tube about m whose radius is that of the base plus delta,
 ///
 ///     F = 2 (m.u + delta) / N,  N = |m|^2 - delta^2;     m = 2 X / M,  delta = 2 w / M,  M = |X|^2 - w^2 = 4
@@ -21,6 +26,7 @@
 /// distances from the middle one change when it gives way to that.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -46,5 +52,18 @@ struct AxialTie {
 /// the axis do not matter. Takes the number of forms times that of the generators over which the nearest one
 /// changes.
 std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms);
+
+/// A form that ties with two others over a generator, exactly, and has a nearer one on each side of it.
+struct PassingTie {
+    std::uint32_t form;
+    std::uint32_t before, after;  ///< the nearer ones on both sides, as the angle grows
+    /// Of x in the chart of a cylinder: in each of them the form is nowhere nearer than the nearer of the
+    /// two. About a generator next to the chart's ends there are two. Ends are rounded inwards, or infinite.
+    std::vector<std::array<double, 2>> ranges;
+};
+
+/// All ties of that kind over generators over which nothing in the list is nearer, but those of forms that
+/// are AxialTie::middle. Forms that change along the axis do not matter. Takes as long as find_axial_ties().
+std::vector<PassingTie> find_passing_ties(std::span<const RadialForm> forms);
 
 }  // namespace vcell

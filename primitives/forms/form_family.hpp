@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "../../core/curves/circular_form.hpp"
@@ -26,16 +27,19 @@ struct FormFamily : CircularFamily {
     double axial_unit = 1;                ///< of y over a cylinder; a power of two
     AxialTips tips;                       ///< over a cylinder, in that unit
 
-    /// Over a cylinder: where forms are nowhere lower than all others (RingTie), in that unit.
+    /// Over a cylinder: where in the chart forms are nowhere lower than all others (RingTie, PassingTie), y
+    /// in that unit.
     struct Hidden {
         FormId form;
-        double from, to;
+        std::array<double, 2> x, y;
     };
     std::vector<Hidden> hidden;
-    /// Is the form known to be so all over a range of y?
-    bool is_hidden(FormId f, const Interval& y) const {
-        return std::ranges::any_of(
-            hidden, [&](const Hidden& h) { return h.form == f && h.from <= y.lower() && y.upper() <= h.to; });
+    /// Is the form known to be so all over a rectangle?
+    bool is_hidden(FormId f, const Interval& x, const Interval& y) const {
+        return std::ranges::any_of(hidden, [&](const Hidden& h) {
+            return h.form == f && h.x[0] <= x.lower() && x.upper() <= h.x[1] && h.y[0] <= y.lower() &&
+                   y.upper() <= h.y[1];
+        });
     }
 
     /// What the heights are compared over: where all forms are circular, a plane also in a sphere's chart.

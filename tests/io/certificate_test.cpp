@@ -124,7 +124,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "tube_ties_along_rim",
                              "generator_in_a_corner",
                              "tube_touches_plane_beside_region",
-                             "side_between_planes"}) {
+                             "side_between_planes",
+                             "tubes_touch_one_circle"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));

@@ -66,4 +66,55 @@ TEST_CASE("axial ties: what is left out is nowhere nearest, and ties over the ge
     CHECK(touching > 20);
 }
 
+// x of the chart of a cylinder, from -1 on.
+double angle_of(double x) { return x <= 1 ? 2 * std::atan(x) : 2 * std::atan(x - 2) + std::numbers::pi; }
+
+TEST_CASE(
+    "axial ties: what passes between two others is no nearer in its ranges, and ties over the generator") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> whole(-3, 3);
+    std::array<int, 4> found{};  // with so many ranges; 3: hidden all around
+    for (int i = 0; i < 20'000 * rounds(); ++i) {
+        std::array<std::array<int, 3>, 4> f;
+        std::vector<RadialForm> forms;
+        for (auto& g : f) {
+            for (int& x : g) x = whole(rng);
+            forms.push_back(form(g));
+        }
+        CAPTURE(f);
+        for (const PassingTie& tie : find_passing_ties(forms)) {
+            const auto above = [&](double x) {
+                const double angle = angle_of(x);
+                return std::max(at(f[tie.before], angle), at(f[tie.after], angle)) - at(f[tie.form], angle);
+            };
+            double least = 100;
+            constexpr int places = 400;
+            const auto is_in = [&](double x) {
+                return std::ranges::any_of(tie.ranges, [&](const auto& r) { return r[0] <= x && x <= r[1]; });
+            };
+            for (int k = 0; k <= places; ++k) {
+                const double x = -1 + 4.0 * k / places;
+                if (!is_in(x)) continue;
+                CHECK(above(x) > -1e-12);
+                least = std::min(least, above(x));
+            }
+            CHECK(least < 0.2);
+            // Beyond the ranges the form comes nearer than one of the others, at once.
+            bool is_open = false;
+            for (const auto& r : tie.ranges)
+                for (const double end : {r[0] - 1e-6, r[1] + 1e-6})
+                    if (std::isfinite(end)) {
+                        is_open = true;
+                        const double angle = angle_of(end < -1 ? end + 4 : end > 3 ? end - 4 : end);
+                        CHECK(std::min(at(f[tie.before], angle), at(f[tie.after], angle)) <
+                              at(f[tie.form], angle));
+                    }
+            ++found[is_open ? tie.ranges.size() : 3];
+        }
+    }
+    CHECK(found[1] > 20);
+    CHECK(found[2] > 5);
+    CHECK(found[3] > 5);
+}
+
 }  // namespace vcell::axial_ties_test
