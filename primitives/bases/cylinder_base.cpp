@@ -25,7 +25,7 @@ using cylinder_forms::CylinderFrame;
 using cylinder_forms::Side;
 using Kind = InputError::Kind;
 
-// With the objects that equal one of them, which FoundForms::add_twins() adds to sites that have a form.
+// Sites and what equals one of them: FoundForms::add_twins() adds that only to sites that have a form.
 template <class Sites>
 std::vector<Site> with_equal_ones(const Sites& sites, const RadialObjects& objects, std::size_t count) {
     std::vector<Site> all(sites.begin(), sites.end());

@@ -65,7 +65,7 @@ CircularForm rounded_form(const PlaneFrame& frame, const Ball& ball) {
     return is_hollow_ball(ball) ? -form : form;
 }
 
-// Two balls' centres?
+// Are two forms those of balls whose centres lie on one normal of the base?
 bool are_on_one_normal(const FormSource& f, const FormSource& g, const Vec3& normal) {
     const auto *p = std::get_if<Ball>(&f), *q = std::get_if<Ball>(&g);
     if (p == nullptr || q == nullptr) return false;

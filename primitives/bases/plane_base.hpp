@@ -42,10 +42,11 @@ struct PlaneBaseProblem : BaseProblem {
     std::function<bool(FormId, FormId)> on_one_normal;
     /// With a floor: the part of the base in the box. `region` is more of complete_plane_base_problem().
     std::vector<RegionSide> region_in_box;
-    /// Of complete_plane_base_problem(), and where a vessel's wall cuts the region: over all of these rays
-    /// begin, the base itself first, then sides of the box. They are forms, the last ones but for cylinders',
-    /// but do not compete. Base points beyond a wall have heights below 0, so that none of the cell is over
-    /// them, and its rim is where the least height is that of the base.
+    /// Rays begin over all of these, the base itself first, then sides of the box:
+    /// complete_plane_base_problem() has a floor, and the other one where a vessel's wall cuts the region.
+    /// They are forms, the last ones but for cylinders', but do not compete. Base points beyond a wall have
+    /// heights below 0, so that none of the cell is over them, and its rim is where the least height is that
+    /// of the base.
     std::vector<FormId> floor;
     bool has_curved_rim = false;  ///< does a vessel's wall cut the region?
 

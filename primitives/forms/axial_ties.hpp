@@ -57,8 +57,9 @@ std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms);
 struct PassingTie {
     std::uint32_t form;
     std::uint32_t before, after;  ///< the nearer ones on both sides, as the angle grows
-    /// Of x in the chart of a cylinder: in each of them the form is nowhere nearer than the nearer of the
-    /// two. About a generator next to the chart's ends there are two. Ends are rounded inwards, or infinite.
+    /// In each of these ranges of x in the chart of a cylinder the form is nowhere nearer than the nearer of
+    /// the two. About a generator next to the chart's ends there are two ranges. Their ends are rounded
+    /// inwards, or infinite.
     std::vector<std::array<double, 2>> ranges;
 };
 
