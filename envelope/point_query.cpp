@@ -74,7 +74,12 @@ private:
     bool is_below(const Vec3& p, FormId owner) const {
         const Exact z = p.z();
         const HeightEquation f = height_equation(problem_.family, owner, {p.x(), p.y()});
-        return (f.c - (f.b + f.b) * z - f.a * z * z).sign() != Sign::Negative;
+        const Sign excess = (f.c - (f.b + f.b) * z - f.a * z * z).sign();
+        if (problem_.family.is_circular(owner) || !problem_.family.cylinder(owner).is_hollow())
+            return excess != Sign::Negative;
+        // Below the smaller root of a hollow cylinder, and not beyond the tip, behind which the other one is.
+        const ExactCylinder tube = exact_cylinder(problem_.family.cylinder(owner));
+        return excess != Sign::Positive && (tube.unit * z + tube.rho).sign() != Sign::Positive;
     }
 };
 

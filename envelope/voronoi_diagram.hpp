@@ -58,7 +58,7 @@ struct DiagramCell {
         Computed,
         Empty,      ///< the object lies in another one, or equals one of a lower number
         Undecided,  ///< digits or a budget were not enough
-        Wall,  ///< a vessel, or a plane among hollow cylinders or cones: what is nearest to walls has no cell
+        Wall,  ///< a vessel, or a plane among hollow cones: what is nearest to walls has no cell
         Refused,  ///< the object cuts or touches another one in a way that leaves it without a cell
     };
 

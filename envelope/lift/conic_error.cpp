@@ -187,10 +187,10 @@ double trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
     const Bernstein<2> X = part.curve.row(0), Y = part.curve.row(1), W = part.curve.weight();
     const double moved = conic_rounding * (X.largest() + Y.largest() + W.largest() * f.origin().norm()) /
                          W.smallest_coefficient();
-    return off_curve(
-               S, size,
-               {ex.x() * X + ey.x() * Y - o.x() * W, ex.y() * X + ey.y() * Y - o.y() * W, part.curve.row(2)},
-               W) +
+    return off_curve(S, size,
+                     {ex.x() * X + ey.x() * Y - o.x() * W, ex.y() * X + ey.y() * Y - o.y() * W,
+                      f.height().side() * part.curve.row(2)},
+                     W) +
            moved;
 }
 

@@ -10,6 +10,12 @@ using Eigen::Vector3d;
 
 CylinderHeight::CylinderHeight(const CylinderForm& form, const Vector2d& near)
     : c_(form.px, form.py, form.pz), d_(form.ax, form.ay, form.az), rho_(form.rho) {
+    if (form.is_hollow()) {
+        side_ = -1;
+        c_.z() = -c_.z();
+        d_.z() = -d_.z();
+        rho_ = -rho_;
+    }
     d_ = d_.stableNormalized();
     if (d_.z() < 0) d_ = -d_;
     const double shift = (Vector3d(near.x(), near.y(), 0) - c_).dot(d_);
@@ -29,7 +35,7 @@ CylinderHeight::Jet CylinderHeight::operator()(const Vector2d& p) const {
     const double up = c_.z() + along * dz;
     const double C = (m - along * d).squaredNorm() + (up - rho_) * (up + rho_);
     const double f = beta < 0 ? (s - beta) / (dz * dz) : C / (s + beta);
-    return {f, (m - (along + dz * f) * d) / s, v, s};
+    return {side_ * f, side_ * (m - (along + dz * f) * d) / s, v, s};
 }
 
 double CylinderHeight::curvature_bound(double s, double radius) const {
@@ -47,8 +53,8 @@ CylinderFrame::CylinderFrame(const CylinderForm& form, const Vector2d& p0) : hei
     const CylinderHeight::Jet jet = height_(p0);
     e_ = jet.v / jet.s;
     eps_ = height_.axis().z() / jet.s;
-    f0_ = jet.value;
-    z1_ = turned(jet.gradient).y();
+    f0_ = height_.side() * jet.value;
+    z1_ = height_.side() * turned(jet.gradient).y();
     z2_ = (1 + height_.axis().head<2>().dot(e_)) / (4 * jet.s);
 }
 
@@ -68,7 +74,7 @@ PatchCoordinates CylinderFrame::coordinates() const {
     const Vector3d& d = height_.axis();
     const Vector2d along = 0.5 * (e_ + d.head<2>()), left(-e_.y(), e_.x());
     PatchCoordinates c;
-    c[0].numerator << along, 0.5 * d.z(), 0, -along.dot(origin_) - 0.5 * d.z() * f0_;
+    c[0].numerator << along, 0.5 * height_.side() * d.z(), 0, -along.dot(origin_) - 0.5 * d.z() * f0_;
     c[1].numerator << left, 0, 0, -left.dot(origin_);
     c[1].divisor = eps_ * c[0].numerator + PatchCoordinate::Linear::Unit(4);
     return c;
@@ -87,7 +93,7 @@ RationalPatch CylinderFrame::patch(const std::array<double, 2>& u, const std::ar
             const double m = mu(u[i]), mean = 0.5 * (v[j > 0] + v[j > 1]), square = v[j > 0] * v[j > 1];
             const Vector2d p = origin_ + turned_back({u[i] - m * eps_ * square / 4, m * mean});
             const double z = f0_ + eps_ * u[i] * (f0_ + height_.rho()) + m * (z1_ * mean + z2_ * square);
-            const Vec3 world = frame.to_world({p.x(), p.y(), z});
+            const Vec3 world = frame.to_world({p.x(), p.y(), height_.side() * z});
             surface.points.push_back({world.x(), world.y(), world.z(), 1});
         }
     }

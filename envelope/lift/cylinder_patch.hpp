@@ -19,6 +19,11 @@
 /// direction into the region, never meet their pole. (The foot point on the cylinder may well pass its
 /// highest line, behind a leaning cylinder; with the half angle about the axis, counted from the lowest line,
 /// that would be the pole.)
+///
+/// *Hollow cylinders.* The bisector of one of radius R, reflected in the base, is that of the solid cylinder
+/// of radius R about the reflected axis, continued below the base: within the trace on the base that one's
+/// height is negative. So c, d, rho, s and V are those of the reflected cylinder, and heights are the
+/// negative ones. A may lie in the region, and faces around it have several patches (cylinder_sectors.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -47,6 +52,11 @@ public:
     CylinderHeight(const CylinderForm& form, const Eigen::Vector2d& near);
 
     Jet operator()(const Eigen::Vector2d& p) const;
+    /// 1; -1 of a hollow cylinder's: point(), axis() and rho() are those of the reflected one.
+    double side() const { return side_; }
+    /// A. Pre: the axis is not parallel to the base.
+    Eigen::Vector2d focus() const { return c_.head<2>() - (c_.z() + rho_) / d_.z() * d_.head<2>(); }
+
     /// An upper bound of |Hess f| within `radius` of a point where s is known.
     double curvature_bound(double s, double radius) const;
     /// An upper bound of |grad f| within `radius` of the point of a jet.
@@ -60,7 +70,7 @@ public:
 
 private:
     Eigen::Vector3d c_, d_;
-    double rho_ = 0, reach_ = 0;
+    double rho_ = 0, reach_ = 0, side_ = 1;
 };
 
 /// Coordinates (u, v) about a point p0 of the chart in which the chart and the height are polynomials, for
@@ -72,11 +82,12 @@ private:
 ///
 /// (The ray at the half angle atan(eps v / 2) about A, and on it the distance R = mu (1 + eps^2 v^2 / 4) /
 /// eps, on which f + rho depends linearly.) Lengths near p0; (u, v) is oriented like the chart. For an axis
-/// parallel to the base eps = 0: (u, v) is the chart turned.
+/// parallel to the base eps = 0: (u, v) is the chart turned. Of a hollow cylinder's f is that of the
+/// reflected one.
 class CylinderFrame {
 public:
     CylinderFrame() = default;
-    /// Pre: p0 lies in the base region.
+    /// Pre: p0 lies in the base region, or anywhere but in A if the cylinder is hollow.
     CylinderFrame(const CylinderForm& form, const Eigen::Vector2d& p0);
 
     const CylinderHeight& height() const { return height_; }

@@ -43,6 +43,21 @@ public:
     void around(FaceId face, Use&& use) const {
         for (const CcbId ccb : loops_[face]) around(ccb, use);
     }
+    /// Calls use(place, is where an edge begins, is a vertex) for the ends of all pieces around a loop.
+    template <class Use>
+    void follow(CcbId ccb, Use&& use) const {
+        around(ccb, [&](EdgeId e, bool reversed) {
+            const auto pieces = diagram_.pieces(e);
+            const std::size_t count = pieces.size();
+            const auto end = [&](VertexId v, bool is_begin) {
+                use(v.valid() ? diagram_.vertices[v].point : pieces.back().end, is_begin, v.valid());
+            };
+            end(reversed ? diagram_.end(e) : diagram_.start(e), true);
+            for (std::size_t i = 0; i + 1 < count; ++i)
+                use(pieces[reversed ? count - 2 - i : i].end, false, false);
+            end(reversed ? diagram_.start(e) : diagram_.end(e), false);
+        });
+    }
     /// The trims of a face, in the order of its loops: set(edge, reversed, curve) makes each.
     template <class Set>
     std::vector<std::vector<TrimCurve>> trims(FaceId face, Set&& set) const {

@@ -68,7 +68,7 @@ RoundedPatch height_patch(const CylinderFrame& f, const Rectangle& box, const Ba
 }
 
 // The largest clearance: of the boundary as written, and bounds of the true one's. Every height is convex,
-// and over a face largest on the face's boundary, but a hollow sphere's, which has its top. A point of the
+// and over a face largest on the face's boundary, but that of a vessel, which has its top. A point of the
 // boundary as written is within `error` of one of the true boundary, and the other way round.
 class Highest {
 public:
@@ -144,6 +144,15 @@ public:
     }
 
     void set_patches(FaceId face, std::vector<TrimmedPatch>& patches) {
+        for (const CutPart& part : mixed_.parts(face)) {
+            TrimmedPatch& patch = append_new(patches);
+            patch.loops = part.loops;
+            RoundedPatch rounded = height_patch(mixed_.sectors()[face][part.within].frame,
+                                                loop_domain(patch.loops.front()), problem_.frame);
+            patch.surface = std::move(rounded.surface);
+            roundings_[face] = std::max(roundings_[face], rounded.rounding);
+        }
+        if (!patches.empty()) return;
         TrimmedPatch& patch = append_new(patches);
         patch.loops = loops_.trims(face, [&](EdgeId e, bool reversed, RationalCurve2& curve) {
             if (mixed_.contains(e))
@@ -197,19 +206,37 @@ public:
         measure_over_region(problem_, diagram_, circular_.arcs(), mixed_, loops_, cell, threads_);
         Highest highest;
         for (const Highest& of_task : highest_) highest.add(of_task);
-        for (const FormId f : diagram_.forms.ids())
-            if (!diagram_.is_below_floor && diagram_.forms[f].k < 0) add_top(f, highest);
+        if (!diagram_.is_below_floor) add_tops(highest);
         highest.set(cell.measures);
     }
 
 private:
-    // Where a hollow sphere's height is greatest it is the envelope's if no other form's is less there. The
-    // place is rounded: by its square, that is, in the height.
-    void add_top(FormId form, Highest& highest) const {
-        const CircularForm& f = diagram_.forms[form];
-        const Eigen::Vector2d top(f.cx - 0.5 * f.a / f.k, f.cy - 0.5 * f.b / f.k);
-        const double x = top.x(), y = top.y(), size = top.norm() + origin_ + std::abs(f.cx) + std::abs(f.cy),
-                     height = f(x, y), error = 32 * u * (std::abs(f.e) / f.w + height + size);
+    // The place is rounded: a hollow sphere's height changes by its square, a hollow cylinder's around the
+    // tip by as much times its slope there.
+    void add_tops(Highest& highest) const {
+        for (const FormId form : diagram_.forms.ids()) {
+            const CircularForm& f = diagram_.forms[form];
+            if (!(f.k < 0)) continue;
+            const Eigen::Vector2d top(f.cx - 0.5 * f.a / f.k, f.cy - 0.5 * f.b / f.k);
+            const double height = f(top.x(), top.y());
+            add_top(form, top, height, std::abs(f.cx) + std::abs(f.cy), std::abs(f.e) / f.w + height,
+                    highest);
+        }
+        for (std::uint32_t i = 0; i < diagram_.cylinders.size(); ++i) {
+            if (!diagram_.cylinders[i].is_hollow() || problem_.axes[i] == AxisToBase::Parallel) continue;
+            const CylinderHeight height(diagram_.cylinders[i], Eigen::Vector2d::Zero());
+            const FormId form{static_cast<std::uint32_t>(diagram_.forms.size()) + i};
+            add_top(form, height.focus(), height.rho(), height.reach() / height.axis().z(), height.rho(),
+                    highest);
+        }
+    }
+
+    // Where a vessel's height is greatest it is the envelope's if no other form's is less there. `size`: with
+    // what the place and the height are rounded, besides themselves.
+    void add_top(FormId form, const Eigen::Vector2d& top, double height, double of_place, double of_height,
+                 Highest& highest) const {
+        const double x = top.x(), y = top.y(), size = top.norm() + origin_ + of_place,
+                     error = 32 * u * (of_height + size);
         std::optional<bool> is_there = true;
         const auto meet = [&](double room, double doubt) {
             if (room < -doubt) is_there = false;

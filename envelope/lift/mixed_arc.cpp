@@ -3,10 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
+#include <utility>
 
+#include "../../core/errors.hpp"
 #include "../../primitives/bases/canonical.hpp"
 #include "../../primitives/bisectors/height_conics.hpp"
+#include "../../primitives/objects/message.hpp"
 #include "../diagram/chart_arc.hpp"
 #include "based_diagram.hpp"
 #include "conic_error.hpp"
@@ -74,12 +78,16 @@ SpaceSite space_site(const CircularForm& f) {
     return {Sphere{{center.x(), center.y(), 0.5 * (width + behind)}, 0.5 * (width - behind)}, false, {}};
 }
 
-// What the trims beside a face are in: the parameters of a cylinder's patch, or those of the chart.
+// What the trims beside a face are in: the parameters of a cylinder's patch, or those of the chart. In a
+// sector they are turned by a quarter, the angle first, as faces are cut there.
 struct PlaneParameters {
     const CylinderFrame* frame;  // null: the chart
+    bool in_sector = false;
 
     Vector2d operator()(const Vector4d& X) const {
-        return frame != nullptr ? frame->parameters(X.head<2>()) : Vector2d(X.head<2>());
+        if (frame == nullptr) return X.head<2>();
+        const Vector2d p = frame->parameters(X.head<2>());
+        return in_sector ? Vector2d(p.y(), -p.x()) : p;
     }
 };
 
@@ -88,29 +96,59 @@ std::array<Vec2, 2> line_trim(const PlaneParameters& parameters, const Vector4d&
 }
 
 ConicTrim conic_trim(const PlaneParameters& parameters, const ConicSpan& span) {
-    if (parameters.frame != nullptr) return cubic_trim(parameters.frame->coordinates(), 1, span);
+    if (parameters.frame != nullptr) {
+        ConicTrim trim = cubic_trim(parameters.frame->coordinates(), 1, span);
+        if (parameters.in_sector)
+            for (Vector3d& p : trim.points) p = {p.y(), -p.x(), p.z()};
+        return trim;
+    }
     const auto chart = [](const Vector4d& X, double w) { return Vector3d(X.x(), X.y(), w); };
     return {2, {chart(span.from, 1), chart(span.middle, span.weight), chart(span.to, 1)}};
+}
+
+// What a hollow cylinder and a plane are reflected to in the base, where the solid one has the patch.
+ExactCylinder reflected(ExactCylinder f) {
+    f.pz = -f.pz;
+    f.az = -f.az;
+    f.rho = -f.rho;
+    return f;
 }
 
 // The conic in which a plane cuts a cylinder's bisector, by the coordinates of one face's patch.
 class Section {
 public:
-    Section(const CylinderForm& form, const CylinderFrame& frame, const SectionPlane& plane)
-        : frame_(frame),
-          normal_(nearest(plane.nx), nearest(plane.ny), nearest(plane.nz)),
-          k_(nearest(plane.k)) {
-        const ExactCylinder exact = exact_cylinder(form);
+    Section(const CylinderForm& form, const CylinderFrame& frame, SectionPlane plane) : frame_(frame) {
+        ExactCylinder exact = exact_cylinder(form);
+        if (form.is_hollow()) {
+            exact = reflected(exact);
+            plane.nz = -plane.nz;
+        }
+        normal_ = {nearest(plane.nx), nearest(plane.ny), nearest(plane.nz)};
+        k_ = nearest(plane.k);
         const Exact offset = apex_offset(exact, plane);
         through_apex_ = offset.sign() == Sign::Zero;
         const double axis = Vector3d(form.ax, form.ay, form.az).stableNorm();
         const double s0 = frame.height()(frame.origin()).s, unit = nearest(exact.unit);
-        const double kappa = (form.az < 0 ? -1 : 1) * nearest(offset) / (unit * unit * axis * s0);
-        const double B = normal_.z() * frame.z2() - frame.turned(normal_.head<2>()).x() * frame.eps() / 4;
-        bend_ = 0.5 * B / kappa;
+        kappa_ = (exact.az.sign() == Sign::Negative ? -1 : 1) * nearest(offset) / (unit * unit * axis * s0);
+        B_ = normal_.z() * frame.z2() - frame.turned(normal_.head<2>()).x() * frame.eps() / 4;
     }
 
     bool through_apex() const { return through_apex_; }
+
+    // Its point over the ray from A at an angle. Pre: A is none at infinity.
+    Vector4d at(double angle) const {
+        const CylinderFrame& f = frame_;
+        const double v =
+            2 / f.eps() * std::tan(0.5 * (angle - std::atan2(f.direction().y(), f.direction().x())));
+        const double k0 = k_ - normal_.head<2>().dot(f.origin()),
+                     N = normal_.z() * f.f0() - k0 +
+                         (f.turned(normal_.head<2>()).y() + normal_.z() * f.z1() + B_ * v) * v,
+                     u = -N / (f.eps() * N + kappa_), mu = f.mu(u);
+        const Vector2d p = f.origin() + f.turned_back({u - mu * f.eps() * v * v / 4, mu * v});
+        const double rho = f.height().rho(),
+                     z = f.height().side() * (mu * (f.f0() + rho + (f.z1() + f.z2() * v) * v) - rho);
+        return {p.x(), p.y(), z, z};
+    }
 
     // The arc between two of its points: M / kappa and -N / kappa = u M / kappa have the Bezier coefficients
     // m and n, and m is 1 / mu at the ends. The middle control point is that of the polynomials of
@@ -119,11 +157,12 @@ public:
         const CylinderFrame& f = frame_;
         const Vector2d from = f.parameters(a.head<2>()), to = f.parameters(b.head<2>());
         const double m0 = 1 / f.mu(from.x()), m2 = 1 / f.mu(to.x());
-        const double dv = to.y() - from.y(), bend = bend_ * dv * dv, v = 0.5 * (from.y() + to.y()),
-                     vv = from.y() * to.y();
+        const double dv = to.y() - from.y(), bend = 0.5 * B_ / kappa_ * dv * dv,
+                     v = 0.5 * (from.y() + to.y()), vv = from.y() * to.y();
         const double m = 0.5 * (m0 + m2) - f.eps() * bend, n = 0.5 * (from.x() * m0 + to.x() * m2) + bend;
         const Vector2d p = m * f.origin() + f.turned_back({n - f.eps() * vv / 4, v});
-        const double z = f.f0() + f.height().rho() * f.eps() * n + f.z1() * v + f.z2() * vv,
+        const double z = f.height().side() *
+                         (f.f0() + f.height().rho() * f.eps() * n + f.z1() * v + f.z2() * vv),
                      scale = 1 / std::sqrt(m0 * m2);
         return {a, scale * Vector4d(p.x(), p.y(), z, z), b, scale * m};
     }
@@ -134,11 +173,12 @@ public:
         const double rho = frame_.height().rho(), norm = normal_.norm();
         const Eigen::Matrix3d turn =
             Eigen::Quaterniond::FromTwoVectors(d, Vector3d::UnitY()).toRotationMatrix();
+        const double side = frame_.height().side();
         double far = c.norm() + frame_.height().reach() + rho;
         const auto moved = [&](const Vector4d& X, double w) -> Vector4d {
             far = std::max(far, X.norm() / w);
             Vector4d result;
-            result << turn * (X.head<3>() - w * c), X.w() + w * rho;
+            result << turn * (Vector3d(X.x(), X.y(), side * X.z()) - w * c), side * X.w() + w * rho;
             return result;
         };
         std::vector<ConicSpan> around;
@@ -155,7 +195,7 @@ private:
     const CylinderFrame& frame_;
     Vector3d normal_;
     double k_;
-    double bend_;  // of a span with v1 - v0 = 1
+    double kappa_, B_;  // half their quotient is the bend of a span with v1 - v0 = 1
     bool through_apex_;
 };
 
@@ -165,7 +205,7 @@ MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram&
                      const FaceLoops& loops, double tolerance, unsigned threads)
     : diagram_(diagram) {
     if (diagram.cylinders.empty()) return;
-    add_frames(problem, loops);
+    sectors_.emplace(PlaneDiagram{problem, diagram}, loops);
     points_.reserve(diagram.vertices.size());
     for (const MinimizationDiagram::Vertex& v : diagram.vertices)
         points_.push_back({v.point.x(), v.point.y(), v.height, v.height});
@@ -176,27 +216,9 @@ MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram&
     for (const EdgeId e : diagram.edges.ids())
         if (contains(e) && !add_section(problem, e)) splines.push_back(e);
     add_splines(problem, splines, tolerance, threads);
-}
-
-// About the mean of points around each face, which lies in the region with them.
-void MixedArcs::add_frames(const PlaneBaseProblem& problem, const FaceLoops& loops) {
-    frames_.resize(diagram_.dcel.face_count());
-    for (const FaceId face : diagram_.face_forms.ids()) {
-        const FormId form = diagram_.face_forms[face];
-        if (!form.valid() || diagram_.is_circular(form)) continue;
-        Vector2d sum = Vector2d::Zero();
-        double count = 0;
-        const auto add = [&](const Vector2d& p) {
-            sum += p;
-            ++count;
-        };
-        loops.around(loops[face].front(), [&](EdgeId e, bool reversed) {
-            const VertexId v = reversed ? diagram_.end(e) : diagram_.start(e);
-            if (v.valid()) add(diagram_.vertices[v].point);
-            for (const auto& piece : diagram_.pieces(e)) add(piece.end);
-        });
-        frames_[face] = CylinderFrame(problem.family.cylinder(form), sum / count);
-    }
+    std::uint32_t seams = 0;
+    for (const FaceId face : diagram.face_forms.ids())
+        if (sectors_->is_cut(face)) cut(problem, loops, face, seams);
 }
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.
@@ -217,12 +239,12 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
     };
     if (planes.size() == 1) return section(0);
     const unsigned side = diagram_.is_circular(diagram_.form_beside(e, 0)) ? 1 : 0;
-    const CylinderHeight& height = frames_[diagram_.face(e, side)].height();
+    const CylinderHeight& height = sectors_->frame(diagram_.face(e, side)).height();
     std::array<bool, 2> leaves{};
     const auto visit = [&](const Vector2d& p, double error) {
         const CylinderHeight::Jet jet = height(p);
         const double doubt = height.slope_bound(jet, error) * error +
-                             32 * u * ((p - height.point().head<2>()).norm() + jet.value);
+                             32 * u * ((p - height.point().head<2>()).norm() + std::abs(jet.value));
         for (const std::size_t i : {0, 1}) {
             const auto& [a, b, c, d] = planes[i];
             const Interval residual = a.enclosure() * Interval::ball(p.x(), error) +
@@ -240,24 +262,81 @@ std::optional<SectionPlane> MixedArcs::plane_of(const PlaneBaseProblem& problem,
 
 bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const std::optional<SectionPlane> plane = plane_of(problem, e);
-    if (!plane || !curves_->has_ends(e)) return false;
-    const unsigned side = frame_beside(e, 0) != nullptr ? 0 : 1;
+    if (!plane) return false;
+    const unsigned side = is_beside_cylinder(e, 0) ? 0 : 1;
+    const FaceId face = diagram_.face(e, side);
     const FormId f = diagram_.form_beside(e, side);
-    const Section section(problem.family.cylinder(f), *frame_beside(e, side), *plane);
-    if (section.through_apex()) {
+    const CylinderForm& form = problem.family.cylinder(f);
+    const Section whole(form, sectors_->frame(face), *plane);
+    if (whole.through_apex()) {
+        if (!curves_->has_ends(e)) return false;
         // A ruling of the cone, and of the other one too.
         kinds_[e] = CurveKind::Line;
         set_error(e, 0, section_trims_error(e, end_error(e)));
         return true;
     }
-    kinds_[e] = section_kind(exact_cylinder(problem.family.cylinder(f)),
-                             problem.axes[f.value - problem.family.forms.size()], *plane);
+    const std::vector<Vector4d> points = points_along(problem, e, *plane);
+    if (points.empty()) return false;
+    kinds_[e] =
+        section_kind(exact_cylinder(form), problem.axes[f.value - problem.family.forms.size()], *plane);
     curves_->set_conics(e, [&](std::vector<ConicSpan>& spans) {
-        radial::add_even(section.between(curves_->from(e), curves_->to(e)), spans);
+        for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+            const Vector4d &from = points[i], &to = points[i + 1];
+            const CylinderFrame& frame = sectors_->frame_between(face, from.head<2>(), to.head<2>());
+            const bool is_whole = &frame == &sectors_->frame(face);
+            radial::add_even((is_whole ? whole : Section(form, frame, *plane)).between(from, to), spans);
+        }
     });
-    const double off = section.distance(curves_->conics(e));
+    const double off = whole.distance(curves_->conics(e));
     set_error(e, off, section_trims_error(e, off));
     return true;
+}
+
+// The ends of a section, and between them where it leaves a sector; of one that is closed, which goes round
+// A, one of these is both ends. None where there are none. A section has one point over every ray from A: its
+// focus.
+std::vector<Vector4d> MixedArcs::points_along(const PlaneBaseProblem& problem, EdgeId e,
+                                              const SectionPlane& plane) const {
+    constexpr double near = 0x1p-32;  // an end so near to a seam counts as on it
+    struct Crossing {
+        double part;
+        Vector4d point;
+    };
+    std::vector<Crossing> crossings;
+    std::optional<Vector2d> focus;
+    std::array<double, 2> along{};
+    const bool is_closed = !curves_->has_ends(e);
+    const auto part_of = [&](double angle) {
+        double part = std::fmod(along[1] < 0 ? along[0] - angle : angle - along[0], 2 * std::numbers::pi);
+        return part < 0 ? part + 2 * std::numbers::pi : part;
+    };
+    for (const unsigned side : {0u, 1u}) {
+        if (!is_beside_cylinder(e, side) || !sectors_->is_cut(diagram_.face(e, side))) continue;
+        const FaceId face = diagram_.face(e, side);
+        const CylinderForm& form = problem.family.cylinder(diagram_.form_beside(e, side));
+        const Vector2d A = sectors_->frame(face).height().focus();
+        const auto around = sectors_->along(e, A);
+        if (!focus) {
+            focus = A;
+            along = around;
+        }
+        for (const CylinderSector& s : (*sectors_)[face]) {
+            double part =
+                std::fmod(around[1] < 0 ? around[0] - s.from : s.from - around[0], 2 * std::numbers::pi);
+            if (part < 0) part += 2 * std::numbers::pi;
+            if (!is_closed && !(part > near && part < std::abs(around[1]) - near)) continue;
+            const Vector4d X = Section(form, s.frame, plane).at(s.from);
+            const Vector2d q = X.head<2>() - *focus;
+            crossings.push_back({part_of(std::atan2(q.y(), q.x())), X});
+        }
+    }
+    if (is_closed && crossings.empty()) return {};
+    std::ranges::sort(crossings, {}, &Crossing::part);
+    std::vector<Vector4d> points;
+    if (!is_closed) points.push_back(curves_->from(e));
+    for (const Crossing& c : crossings) points.push_back(c.point);
+    points.push_back(is_closed ? points.front() : curves_->to(e));
+    return points;
 }
 
 // How far the patches' points at the trims of a line or conic are from it, which may be `off` the arc. Seen
@@ -266,17 +345,21 @@ double MixedArcs::section_trims_error(EdgeId e, double off) const {
     double most = 0;
     for (const unsigned side : {0u, 1u}) {
         if (side == 1 && diagram_.edges[e].on_rim()) continue;
-        if (const CylinderFrame* frame = frame_beside(e, side)) {
-            const PlaneParameters parameters{frame};
+        if (is_beside_cylinder(e, side)) {
+            const FaceId face = diagram_.face(e, side);
             if (curves_->is_line(e)) {
                 const Vector4d &from = curves_->from(e), &to = curves_->to(e);
-                const auto [a, b] = line_trim(parameters, from, to);
+                const CylinderFrame& frame = sectors_->frame_between(face, from.head<2>(), to.head<2>());
+                const auto [a, b] = line_trim({&frame}, from, to);
                 const Vector3d p(a.x(), a.y(), 1), q(b.x(), b.y(), 1);
-                most = std::max(most, trim_distance(*frame, {from, 0.5 * (from + to), to, 1},
+                most = std::max(most, trim_distance(frame, {from, 0.5 * (from + to), to, 1},
                                                     {3, {p, (2 * p + q) / 3, (p + 2 * q) / 3, q}}));
             }
-            for (const ConicSpan& span : curves_->conics(e))
-                most = std::max(most, trim_distance(*frame, span, conic_trim(parameters, span)));
+            for (const ConicSpan& span : curves_->conics(e)) {
+                const CylinderFrame& frame =
+                    sectors_->frame_between(face, span.from.head<2>(), span.to.head<2>());
+                most = std::max(most, trim_distance(frame, span, conic_trim({&frame}, span)));
+            }
             continue;
         }
         const CircularForm& f = diagram_.forms[diagram_.form_beside(e, side)];
@@ -289,10 +372,9 @@ double MixedArcs::section_trims_error(EdgeId e, double off) const {
     return most;
 }
 
-// That of the cylinder's face on a side, if there is one.
-const CylinderFrame* MixedArcs::frame_beside(EdgeId e, unsigned side) const {
-    if (side == 1 && diagram_.edges[e].on_rim()) return nullptr;
-    return diagram_.is_circular(diagram_.form_beside(e, side)) ? nullptr : &frames_[diagram_.face(e, side)];
+// Is there a cylinder's face on a side?
+bool MixedArcs::is_beside_cylinder(EdgeId e, unsigned side) const {
+    return !(side == 1 && diagram_.edges[e].on_rim()) && !diagram_.is_circular(diagram_.form_beside(e, side));
 }
 
 // The true arc ends in the true vertices, up to which the curve that was compared may be continued.
@@ -319,10 +401,20 @@ SpaceSite MixedArcs::space_site_beside(const PlaneBaseProblem& problem, EdgeId e
         return site;
     }
     const CylinderForm& form = problem.family.cylinder(f);
-    const CylinderFrame& frame = frames_[diagram_.face(e, side)];
-    return {Cylinder{{form.px, form.py, form.pz}, {form.ax, form.ay, form.az}, form.rho},
-            false,
-            {{.patch = frame.coordinates()}}};
+    const FaceId face = diagram_.face(e, side);
+    const Vec3 point(form.px, form.py, form.pz), axis(form.ax, form.ay, form.az);
+    SpaceSite site{form.is_hollow() ? Object(HollowCylinder{point, axis, -form.rho})
+                                    : Object(Cylinder{point, axis, form.rho}),
+                   false,
+                   {}};
+    if (!sectors_->is_cut(face)) site.parts.push_back({.patch = sectors_->frame(face).coordinates()});
+    for (const CylinderSector& s : (*sectors_)[face]) {
+        const PatchCoordinates c = s.frame.coordinates();
+        PatchCoordinate inwards = c[0];
+        inwards.numerator = -inwards.numerator;
+        site.parts.push_back({.patch = {c[1], inwards}, .across = c[1], .range = {-s.reach(), s.reach()}});
+    }
+    return site;
 }
 
 void MixedArcs::add_splines(const PlaneBaseProblem& problem, const std::vector<EdgeId>& edges,
@@ -382,11 +474,80 @@ void MixedArcs::set_curve(EdgeId e, const BaseFrame& frame, RationalCurve3& curv
 // Trims of a face begin where others end, which may be those of other curves: ends are computed alike, to the
 // digit.
 void MixedArcs::set_trim(EdgeId e, bool reversed, RationalCurve2& curve) const {
-    const PlaneParameters parameters{frame_beside(e, reversed ? 1 : 0)};
-    vcell::set_trim(*curves_, parameters, {e, reversed, 0, curves_->size(e)}, curve);
+    const unsigned side = reversed ? 1 : 0;
+    const PlaneParameters parameters{is_beside_cylinder(e, side) ? &sectors_->frame(diagram_.face(e, side))
+                                                                 : nullptr};
+    set_part(parameters, {e, reversed, 0, curves_->size(e)}, curve);
+}
+
+template <class Parameters>
+void MixedArcs::set_part(const Parameters& parameters, const EdgePart& part, RationalCurve2& curve) const {
+    const auto [e, reversed, first, last] = part;
+    vcell::set_trim(*curves_, parameters, part, curve);
     if (!curves_->has_ends(e)) return;
-    curve.points.front().head<2>() = parameters(reversed ? curves_->to(e) : curves_->from(e));
-    curve.points.back().head<2>() = parameters(reversed ? curves_->from(e) : curves_->to(e));
+    if (first == 0) curve.points.front().head<2>() = parameters(reversed ? curves_->to(e) : curves_->from(e));
+    if (last == curves_->size(e))
+        curve.points.back().head<2>() = parameters(reversed ? curves_->from(e) : curves_->to(e));
+}
+
+// ---- Faces in sectors -------------------------------------------------------------------------------
+
+std::uint32_t MixedArcs::sector_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const {
+    const std::size_t k = reversed ? curves_->size(e) - 1 - span : span;
+    if (curves_->is_spline(e)) return curves_->splines(e)[k].part[reversed];
+    const auto in_direction = [&](const Vector4d& from, const Vector4d& to) {
+        return reversed ? sectors_->between(face, to.head<2>(), from.head<2>())
+                        : sectors_->between(face, from.head<2>(), to.head<2>());
+    };
+    if (curves_->is_line(e)) return in_direction(curves_->from(e), curves_->to(e));
+    const ConicSpan& s = curves_->conics(e)[k];
+    return in_direction(s.from, s.to);
+}
+
+// The boundary in runs of spans within one sector each. Where the face holds the tip, all sectors come
+// together there: lines along which the second parameter is one and the same, the face below them.
+std::vector<std::vector<BoundaryRun>> MixedArcs::runs(const FaceLoops& loops, FaceId face) const {
+    std::vector<std::vector<BoundaryRun>> result;
+    const std::span<const CylinderSector> sectors = (*sectors_)[face];
+    for (const CcbId ccb : loops[face]) {
+        std::vector<BoundaryRun>& loop = result.emplace_back();
+        loops.around(ccb, [&](EdgeId e, bool reversed) {
+            const std::size_t n = curves_->size(e);
+            for (std::size_t first = 0, last; first < n; first = last) {
+                const std::uint32_t within = sector_of(face, e, reversed, first);
+                last = first + 1;
+                while (last < n && sector_of(face, e, reversed, last) == within) ++last;
+                loop.push_back({{e.value, {}, reversed, {}}, within});
+                set_part(PlaneParameters{&sectors[within].frame, true}, {e, reversed, first, last},
+                         loop.back().trim.curve);
+            }
+        });
+    }
+    if (!sectors_->holds_tip(face)) return result;
+    std::vector<BoundaryRun>& loop = result.emplace_back();
+    for (std::size_t i = sectors.size(); i-- > 0;) {
+        const double reach = sectors[i].reach(), at_tip = 1 / sectors[i].frame.eps();
+        BoundaryRun& run = loop.emplace_back(BoundaryRun{{}, static_cast<std::uint32_t>(i)});
+        begin_joined(run.trim.curve, 1, 1);
+        run.trim.curve.points = {{reach, at_tip, 1}, {-reach, at_tip, 1}};
+    }
+    return result;
+}
+
+void MixedArcs::cut(const PlaneBaseProblem& problem, const FaceLoops& loops, FaceId face,
+                    std::uint32_t& seams) {
+    std::vector<double> reaches;
+    for (const CylinderSector& s : (*sectors_)[face]) reaches.push_back(s.reach());
+    std::optional<std::vector<CutPart>> parts = cut_face(runs(loops, face), reaches, seams);
+    if (!parts)
+        throw UndecidedError("object " +
+                             to_string(PlaneDiagram{problem, diagram_}.main_site(diagram_.face_forms[face])) +
+                             ": its face is not told from its parts around the tip of its bisector");
+    for (CutPart& part : *parts)
+        for (std::vector<TrimCurve>& loop : part.loops)
+            for (TrimCurve& trim : loop)
+                for (Vector3d& p : trim.curve.points) p = {-p.y(), p.x(), p.z()};
+    cut_[face] = std::move(*parts);
 }
 
 }  // namespace vcell

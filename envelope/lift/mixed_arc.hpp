@@ -22,13 +22,19 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "../../core/numbers/exact.hpp"
 #include "../cell.hpp"
 #include "cylinder_patch.hpp"
+#include "cylinder_sectors.hpp"
 #include "edge_curves.hpp"
+#include "edge_trims.hpp"
+#include "face_cut.hpp"
 #include "face_loops.hpp"
 #include "joined_spans.hpp"
 #include "space_spline.hpp"
@@ -69,15 +75,22 @@ public:
         double edge = 0;   ///< of the lifted trims on both sides, too
     };
     const Error& error(EdgeId e) const { return errors_[e]; }
-    /// Pre: the face's form is a cylinder's.
-    const CylinderFrame& frame(FaceId f) const { return frames_[f]; }
+    /// Pre: the face's form is a cylinder's, here and below.
+    const CylinderFrame& frame(FaceId f) const { return sectors_->frame(f); }
+    const CylinderSectors& sectors() const { return *sectors_; }
+    /// The parts of a face that is cut, in the parameters of their sectors' patches; of others none.
+    std::span<const CutPart> parts(FaceId f) const {
+        const auto found = cut_.find(f);
+        return found == cut_.end() ? std::span<const CutPart>() : found->second;
+    }
 
 private:
-    void add_frames(const PlaneBaseProblem& problem, const FaceLoops& loops);
     std::optional<SectionPlane> plane_of(const PlaneBaseProblem& problem, EdgeId e) const;
     bool add_section(const PlaneBaseProblem& problem, EdgeId e);
+    std::vector<Eigen::Vector4d> points_along(const PlaneBaseProblem& problem, EdgeId e,
+                                              const SectionPlane& plane) const;
     double section_trims_error(EdgeId e, double off) const;
-    const CylinderFrame* frame_beside(EdgeId e, unsigned side) const;
+    bool is_beside_cylinder(EdgeId e, unsigned side) const;
     double vertex_error(VertexId v) const;
     double end_error(EdgeId e) const;
     void set_error(EdgeId e, double curve, double trims);
@@ -85,9 +98,15 @@ private:
     void add_splines(const PlaneBaseProblem& problem, const std::vector<EdgeId>& edges, double tolerance,
                      unsigned threads);
     void fit_spline(const PlaneBaseProblem& problem, EdgeId e, double tolerance, FitEffort& effort);
+    template <class Parameters>
+    void set_part(const Parameters& parameters, const EdgePart& part, RationalCurve2& curve) const;
+    std::uint32_t sector_of(FaceId face, EdgeId e, bool reversed, std::size_t span) const;
+    std::vector<std::vector<BoundaryRun>> runs(const FaceLoops& loops, FaceId face) const;
+    void cut(const PlaneBaseProblem& problem, const FaceLoops& loops, FaceId face, std::uint32_t& seams);
 
     const MinimizationDiagram& diagram_;
-    IdVector<FaceId, CylinderFrame> frames_;
+    std::optional<CylinderSectors> sectors_;
+    std::map<FaceId, std::vector<CutPart>> cut_;
     IdVector<EdgeId, CurveKind> kinds_;
     IdVector<VertexId, Eigen::Vector4d> points_;
     std::optional<EdgeCurves> curves_;

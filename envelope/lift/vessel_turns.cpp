@@ -17,22 +17,6 @@ namespace {
 
 // A loop's angles. Between two points of the chart in one cell of the diagram the arc may turn as it likes,
 // but so does the straight way through the cell, as long as the axis does not come out of it.
-// Calls use(place, is where an edge begins, is a vertex) for the ends of all pieces around a loop.
-template <class Use>
-void follow(const MinimizationDiagram& diagram, const FaceLoops& loops, CcbId ccb, Use&& use) {
-    loops.around(ccb, [&](EdgeId e, bool reversed) {
-        const auto pieces = diagram.pieces(e);
-        const std::size_t count = pieces.size();
-        const auto end = [&](VertexId v, bool is_begin) {
-            use(v.valid() ? diagram.vertices[v].point : pieces.back().end, is_begin, v.valid());
-        };
-        end(reversed ? diagram.end(e) : diagram.start(e), true);
-        for (std::size_t i = 0; i + 1 < count; ++i)
-            use(pieces[reversed ? count - 2 - i : i].end, false, false);
-        end(reversed ? diagram.start(e) : diagram.end(e), false);
-    });
-}
-
 class LoopTurn {
 public:
     LoopTurn(const RadialDiagram& of, const VesselAxis& axis, FormId form)
@@ -103,7 +87,7 @@ VesselTurns::VesselTurns(const RadialDiagram& of, const FaceLoops& loops, const 
     const MinimizationDiagram& diagram = of.diagram;
     for (const CcbId ccb : loops[face]) {
         LoopTurn loop(of, axis, diagram.face_forms[face]);
-        follow(diagram, loops, ccb, [&](const Vec2& q, bool is_begin, bool is_vertex) {
+        loops.follow(ccb, [&](const Vec2& q, bool is_begin, bool is_vertex) {
             if (!is_begin) return loop.go_to(q);
             loop.start_at(q);
             if (is_vertex) of_vertices_.push_back(loop.angle(q));
@@ -149,7 +133,6 @@ FaceTips::FaceTips(const RadialDiagram& of, const FaceLoops& loops) {
 // often as the arc unless their cell holds the point.
 bool FaceTips::holds(const RadialDiagram& of, const FaceLoops& loops, FaceId face,
                      const VesselTip& tip) const {
-    const MinimizationDiagram& diagram = of.diagram;
     const bool has_pole = face == Dcel::unbounded_face();
     const Vec2 place = of.problem.chart.chart_point(tip.u, tip.y);
     if (!place.allFinite()) return has_pole;
@@ -161,7 +144,7 @@ bool FaceTips::holds(const RadialDiagram& of, const FaceLoops& loops, FaceId fac
             if (last) turn += std::atan2(last->x() * next.y() - last->y() * next.x(), last->dot(next));
             last = next;
         };
-        follow(diagram, loops, ccb, [&](const Vec2& q, bool is_begin, bool) {
+        loops.follow(ccb, [&](const Vec2& q, bool is_begin, bool) {
             if (!is_begin || !last) go_to(q);
         });
     }

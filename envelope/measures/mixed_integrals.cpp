@@ -82,10 +82,16 @@ struct CircularIntegrand {
 // along the cylinder's axis y hardly changes, which no bound of the other coordinates would tell.
 struct CylinderIntegrand {
     double far;
-    double eps, f0, z1, z2, rho;
+    double eps, f0, z1, z2, rho, side;
 
     CylinderIntegrand(const CylinderFrame& f, double far)
-        : far(far), eps(f.eps()), f0(f.f0()), z1(f.z1()), z2(f.z2()), rho(f.height().rho()) {}
+        : far(far),
+          eps(f.eps()),
+          f0(f.f0()),
+          z1(f.z1()),
+          z2(f.z2()),
+          rho(f.height().rho()),
+          side(f.height().side()) {}
 
     template <class T>
     std::array<T, 3> in_parameters(const T& u, const T& v, const T& v1) const {
@@ -97,7 +103,7 @@ struct CylinderIntegrand {
         const T ux = T(1.0) - T(0.25) * ev * ev, uy = ev, uz = T(eps) * Z;
         const T vx = T(-0.5) * ev, vz = T(z1) + T(2 * z2) * v;
         const T nx = uy * vz - uz, ny = uz * vx - ux * vz;
-        return {volume * v1, J * half * v1, sqrt(nx * nx + ny * ny + J * J) * half * v1};
+        return {T(side) * volume * v1, J * half * v1, sqrt(nx * nx + ny * ny + J * J) * half * v1};
     }
 
     template <class T>
@@ -125,25 +131,29 @@ struct CylinderIntegrand {
     }
 };
 
-// About the cone's tip instead, over whose projection A the height is -rho: with q = p - A, R = |q| and the
-// direction n of q, f + rho = h(n) R and the surface's stretch sqrt(2 (1 - n.d)) / d_z are known along each
-// ray, and what lies between A and the span is
+// About the cone's tip instead, over whose projection A the height is -rho (of what a hollow one is reflected
+// to: it has the other sign): with q = p - A, R = |q| and the direction n of q, f + rho = h(n) R and the
+// surface's stretch sqrt(2 (1 - n.d)) / d_z are known along each ray, and what lies between A and the span is
 //     height:  (h R / 3 - rho / 2) q x q',    chart:  q x q' / 2,    surface: stretch q x q' / 2.
 // Points and A are rounded by up to u times `far`.
 struct ConeIntegrand {
     double far;
     Vector2d d;
-    double d_z, rho;
+    double d_z, rho, side;
 
     /// Of spans about A.
     ConeIntegrand(const CylinderHeight& height, double far)
-        : far(far), d(height.axis().head<2>()), d_z(height.axis().z()), rho(height.rho()) {}
+        : far(far),
+          d(height.axis().head<2>()),
+          d_z(height.axis().z()),
+          rho(height.rho()),
+          side(height.side()) {}
 
     template <class T>
     std::array<T, 3> operator()(const SpanPoint<T>& p) const {
         const T R = sqrt(p.x * p.x + p.y * p.y), turn = p.x * p.y1 - p.y * p.x1;
         const T aslant = T(1.0) - (T(d.x()) * p.x + T(d.y()) * p.y) / R;
-        return {(T(1 / (3 * d_z)) * aslant * R - T(0.5 * rho)) * turn, T(0.5) * turn,
+        return {(T(side / (3 * d_z)) * aslant * R - T(0.5 * side * rho)) * turn, T(0.5) * turn,
                 T(std::numbers::sqrt2 / (2 * d_z)) * sqrt(aslant) * turn};
     }
     std::array<double, 3> sizes(const SpanPoint<double>& p) const {
@@ -190,9 +200,8 @@ FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, ControlP
     for (const Eigen::Vector4d& p : span) far = std::max(far, p.head<2>().norm() + frame.origin().norm());
     const CylinderHeight& height = frame.height();
     if (frame.eps() * extent > 0.5) {
-        const Vector3d& c = height.point();
-        const double along = (c.z() + height.rho()) / height.axis().z();
-        const Vector2d tip = c.head<2>() - along * height.axis().head<2>();
+        const double along = (height.point().z() + height.rho()) / height.axis().z();
+        const Vector2d tip = height.focus();
         for (Eigen::Vector4d& p : moved) p.head<2>() -= tip;
         return integrals(
             ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.axis().z())),

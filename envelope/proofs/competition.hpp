@@ -94,7 +94,8 @@ public:
     /// parts of the heights: they do not tell twins apart.
     SupportRivals lowest_supports(const NormalBox& box, std::span<const FormId> candidates) const;
     bool have_twins(const SupportRivals& rivals) const;
-    /// Is a form's height certainly one that its equation has?
+    /// Is a form's height certainly one that its equation has, and below the tips of hollow cylinders over a
+    /// plane, whose equations have other roots beyond?
     bool is_met(FormId f, const Interval& x, const Interval& y) const;
     /// Is an error of a place next to nothing, also where the place is lifted, which takes it times the
     /// steepest slope?

@@ -59,7 +59,7 @@ public:
     const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(scene().objects[i]); }
     bool is_wall(std::uint32_t i) const {
         const Object& object = scene().objects[i];
-        return is_vessel(object) || (has_open_vessels_ && std::holds_alternative<Plane>(object));
+        return is_vessel(object) || (has_cones_ && std::holds_alternative<Plane>(object));
     }
     /// Are all objects balls, and do cells end nowhere but between them and at the box?
     bool is_simple() const { return others_.empty() && !scene().probe; }
@@ -114,7 +114,7 @@ private:
     ScenePart part_;
     Lattice lattice_;
     std::vector<std::uint32_t> others_;
-    bool has_open_vessels_ = false;  // hollow cylinders or cones
+    bool has_cones_ = false;  // hollow
     ImageTree balls_;
 };
 

@@ -53,9 +53,14 @@ bool is_beyond_wall(const Object& object, const Cylinder& tube) {
 }
 
 bool is_beyond_wall(const Object& object, const Plane& plane) {
+    const ExactVector n(plane.normal);
+    if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
+        const Exact d = -dot(n, ExactVector(plane.point));
+        return is_beyond({n.x, n.y, n.z, d}, tube_form_of(*tube)) ||
+               is_beyond({-n.x, -n.y, -n.z, -d}, tube_form_of(*tube));
+    }
     const auto* vessel = std::get_if<HollowSphere>(&object);
     if (vessel == nullptr) return false;
-    const ExactVector n(plane.normal);
     const Exact height = dot(n, ExactVector(vessel->center) - ExactVector(plane.point)),
                 reach = Exact(vessel->radius);
     return (height * height - reach * reach * dot(n, n)).sign() != Sign::Negative;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -108,13 +109,15 @@ public:
                 add(i, *cylinder);
             else if (const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[i]))
                 add(i, *vessel);
+            else if (const auto* tube = std::get_if<HollowCylinder>(&scene_.objects[i]))
+                add(i, *tube);
             else
                 objects_.fail(
                     Kind::Unsupported, i,
-                    "is a hollow cylinder or cone, which bounds the cells of balls and cylinders: the base "
-                    "is a plane");
+                    "is a hollow cone, which bounds the cells of balls and cylinders: the base is a plane");
         }
         if (objects_.cylinders.size() > 0) drop_hidden();
+        objects_.drop_wider_cylinders();
         make_forms();
         add_cylinders();
         sites_.settle();
@@ -134,11 +137,11 @@ public:
             problem.corner_sites.push_back(sides_through(
                 base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         problem.family.forms = std::move(forms_);
-        for (const std::uint32_t i : objects_.cylinders.objects) {
-            if (!objects_.is_kept(i)) continue;
+        for_tubes([&](std::uint32_t i) {
+            if (!objects_.is_kept(i)) return;
             problem.family.cylinders.push_back(form_of(i));
-            problem.axes.push_back(axis_to_base(std::get<Cylinder>(scene_.objects[i]).axis, base_.normal));
-        }
+            problem.axes.push_back(axis_to_base(axis_of(i), base_.normal));
+        });
         problem.on_one_normal = [sources = sources_, normal = base_.normal](FormId f, FormId g) {
             return are_on_one_normal((*sources)[f], (*sources)[g], normal);
         };
@@ -264,9 +267,26 @@ private:
         return world_corners_;
     }
 
+    // Those that are hollow, too, in the order of objects.
+    template <class Use>
+    void for_tubes(Use&& use) const {
+        std::vector<std::uint32_t> all;
+        std::ranges::merge(objects_.cylinders.objects, objects_.hollow_cylinders.objects,
+                           std::back_inserter(all));
+        for (const std::uint32_t i : all) use(i);
+    }
+    const Vec3& axis_of(std::uint32_t tube) const {
+        const auto* hollow = std::get_if<HollowCylinder>(&scene_.objects[tube]);
+        return hollow != nullptr ? hollow->axis : std::get<Cylinder>(scene_.objects[tube]).axis;
+    }
+
     // In canonical coordinates.
     CylinderForm form_of(std::uint32_t object) const {
-        const auto& cylinder = std::get<Cylinder>(scene_.objects[object]);
+        if (const auto* hollow = std::get_if<HollowCylinder>(&scene_.objects[object]))
+            return form_of({hollow->point, hollow->axis, -hollow->radius});
+        return form_of(std::get<Cylinder>(scene_.objects[object]));
+    }
+    CylinderForm form_of(const Cylinder& cylinder) const {
         const Vec3 axis = scaled_axis(cylinder.axis), p = frame_->to_canonical(cylinder.point);
         const ExactVector a = frame_->turned(axis);
         const double d = nearest(frame_->norm());
@@ -297,10 +317,25 @@ private:
         if (region_.lowest(trace, smallest_coefficient) == Sign::Negative)
             objects_.fail(Kind::OutOfRange, i,
                           "is so close to the base that its height leaves the range of doubles");
-        if (form.az != 0 && std::abs(form.az) < smallest_slope)
-            objects_.fail(Kind::OutOfRange, i,
-                          "is so nearly parallel to the base that its height leaves the range of doubles");
+        check_slope(form, i);
         objects_.cylinders.add(world_form(cylinder), i);
+    }
+    void check_slope(const CylinderForm& form, std::uint32_t object) const {
+        if (form.az != 0 && std::abs(form.az) < smallest_slope)
+            objects_.fail(Kind::OutOfRange, object,
+                          "is so nearly parallel to the base that its height leaves the range of doubles");
+    }
+
+    // The wall is reached above the base points in the tube: within its trace, an ellipse, or a strip where
+    // the axis is parallel to the base. Of equal tubes the first stands for all, and others hide wider ones.
+    void add(std::uint32_t i, const HollowCylinder& vessel) {
+        const CylinderForm form = form_of(i);
+        const CylinderTrace trace = trace_on_base(form);
+        if (region_.lowest(trace, Exact()) != Sign::Negative)
+            fail_empty("holds none of the base plane within the wall of " + object_path(scene_, i));
+        is_cut_by_vessel_ = is_cut_by_vessel_ || !region_.lies_within(trace);
+        check_slope(form, i);
+        objects_.hollow_cylinders.add(world_form(vessel), i);
     }
 
     // A side of the box hides what lies beyond a plane, where the base and its mirror image across that side
@@ -452,13 +487,13 @@ private:
     // Cylinders come after the circular forms, the floor among them, in the order of their objects.
     void add_cylinders() {
         std::map<std::uint32_t, FormId> forms;
-        for (const std::uint32_t object : objects_.cylinders.objects) {
+        for_tubes([&](std::uint32_t object) {
             const std::uint32_t owner = objects_.owner(object);
             if (owner == object)
                 forms[object] = sites_.add(objects_.site(object));
             else if (owner != WorldObjects::none)
                 sites_.join(forms[owner], objects_.site(object));
-        }
+        });
     }
 
     const Scene& scene_;

@@ -106,6 +106,12 @@ public:
         });
     }
 
+    // Is the region inside a cylinder's trace? Likewise.
+    bool lies_within(const CylinderTrace& trace) const {
+        return std::ranges::all_of(
+            corners_, [&](const ExactPoint& q) { return polar(trace, q, q).sign() == Sign::Negative; });
+    }
+
     // Sign of the smallest value of trace - level over the closed region. The trace is convex: the minimum is
     // at the bottom of the paraboloid when that lies inside, else on a side.
     Sign lowest(CylinderTrace trace, const Exact& level) const {

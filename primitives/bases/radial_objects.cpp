@@ -84,15 +84,6 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
 
 // A vessel that has another one within is never nearer than that; the first of equal ones is taken.
 void RadialObjects::drop_wider_vessels() {
-    const auto compare = [&](std::uint32_t i, std::uint32_t j, bool holds, bool is_held) {
-        if (!is_kept(i) || !is_kept(j)) return;
-        if (holds && is_held)
-            merge(i, j);
-        else if (holds)
-            hide_beyond_wall(i, j);
-        else if (is_held)
-            hide_beyond_wall(j, i);
-    };
     const auto holds = [](const HollowSphere& outer, const HollowSphere& inner) {
         const Exact room = Exact(outer.radius) - inner.radius;
         const ExactVector way = ExactVector(outer.center) - ExactVector(inner.center);
@@ -102,31 +93,27 @@ void RadialObjects::drop_wider_vessels() {
         const HollowSphere& ball = hollow_balls.items[i];
         for (std::size_t j = 0; j < i; ++j) {
             const HollowSphere& other = hollow_balls.items[j];
-            compare(hollow_balls.objects[i], hollow_balls.objects[j], holds(ball, other), holds(other, ball));
+            drop_wider(hollow_balls.objects[i], hollow_balls.objects[j], holds(ball, other),
+                       holds(other, ball));
         }
         for (std::size_t j = 0; j < hollow_cylinders.size(); ++j)
-            compare(hollow_cylinders.objects[j], hollow_balls.objects[i],
-                    contains(hollow_cylinders.items[j], ball.center.x(), ball.center.y(), ball.center.z(),
-                             ball.radius),
-                    false);
+            drop_wider(hollow_cylinders.objects[j], hollow_balls.objects[i],
+                       contains(hollow_cylinders.items[j], ball.center.x(), ball.center.y(), ball.center.z(),
+                                ball.radius),
+                       false);
     }
-    for (std::size_t i = 0; i < hollow_cylinders.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j) {
-            const CylinderForm &tube = hollow_cylinders.items[i], &other = hollow_cylinders.items[j];
-            compare(hollow_cylinders.objects[i], hollow_cylinders.objects[j], contains(tube, other),
-                    contains(other, tube));
-        }
+    drop_wider_cylinders();
     for (std::size_t i = 0; i < hollow_cones.size(); ++i) {
         const ConeForm& cone = hollow_cones.items[i];
         for (std::size_t j = 0; j < i; ++j) {
             const ConeForm& other = hollow_cones.items[j];
-            compare(hollow_cones.objects[i], hollow_cones.objects[j], contains(cone, other),
-                    contains(other, cone));
+            drop_wider(hollow_cones.objects[i], hollow_cones.objects[j], contains(cone, other),
+                       contains(other, cone));
         }
         for (std::size_t j = 0; j < hollow_balls.size(); ++j) {
             const HollowSphere& ball = hollow_balls.items[j];
-            compare(hollow_cones.objects[i], hollow_balls.objects[j],
-                    contains(cone, ball.center, ball.radius), false);
+            drop_wider(hollow_cones.objects[i], hollow_balls.objects[j],
+                       contains(cone, ball.center, ball.radius), false);
         }
     }
 }

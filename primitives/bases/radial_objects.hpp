@@ -21,7 +21,6 @@ public:
     using WorldObjects::WorldObjects;
 
     Listed<HollowSphere> hollow_balls;
-    Listed<CylinderForm> hollow_cylinders;
     Listed<ConeForm> hollow_cones;
 
     /// Leaves out what lies in other solids, cylinders beyond planes, and what lies beyond the wall of a
@@ -37,9 +36,6 @@ private:
     void drop_wider_vessels();
     template <class IsBeyond>
     void drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it);
-    void hide_beyond_wall(std::uint32_t object, std::uint32_t vessel) {
-        hide(object, " beyond the wall of ", site(vessel));
-    }
 };
 
 /// The sites of each form, and the first one as an object.

@@ -75,6 +75,25 @@ void WorldObjects::drop_hidden_by_cylinders(std::span<const std::array<Exact, 4>
         if (!is_left_out(balls.objects[i])) drop_ball(balls.items[i], balls.objects[i]);
 }
 
+void WorldObjects::drop_wider(std::uint32_t i, std::uint32_t j, bool holds, bool is_held) {
+    if (!is_kept(i) || !is_kept(j)) return;
+    if (holds && is_held)
+        merge(i, j);
+    else if (holds)
+        hide_beyond_wall(i, j);
+    else if (is_held)
+        hide_beyond_wall(j, i);
+}
+
+void WorldObjects::drop_wider_cylinders() {
+    for (std::size_t i = 0; i < hollow_cylinders.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const CylinderForm &tube = hollow_cylinders.items[i], &other = hollow_cylinders.items[j];
+            drop_wider(hollow_cylinders.objects[i], hollow_cylinders.objects[j], contains(tube, other),
+                       contains(other, tube));
+        }
+}
+
 void WorldObjects::warn(const FormSites& sites, const char* unmet, std::vector<std::string>& warnings) const {
     if (!unmet_.empty()) {
         auto sorted = unmet_;

@@ -89,6 +89,7 @@ public:
     Listed<Ball> balls;
     Listed<HalfSpace> planes;
     Listed<CylinderForm> cylinders;
+    Listed<CylinderForm> hollow_cylinders;
 
     [[noreturn]] void fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const;
 
@@ -121,6 +122,10 @@ public:
     void drop_hidden_by_cylinders(std::span<const std::array<Exact, 4>> walls, std::span<const Site> of_walls,
                                   std::span<const std::pair<CylinderForm, Site>> mirrored);
 
+    /// Leaves out hollow cylinders that have another one within, which is nearer. The first one of equal ones
+    /// stands for all.
+    void drop_wider_cylinders();
+
     /// `unmet`: where objects are that were left out as unmet.
     void warn(const FormSites& sites, const char* unmet, std::vector<std::string>& warnings) const;
 
@@ -128,6 +133,12 @@ protected:
     /// Leaves an object out that another competitor hides. What is out of a probe's reach is no matter of
     /// concern.
     void hide(std::uint32_t object, const char* how, Site by);
+    void hide_beyond_wall(std::uint32_t object, std::uint32_t vessel) {
+        hide(object, " beyond the wall of ", site(vessel));
+    }
+    /// Of two vessels the first of which holds the other one, or is held by it: leaves out the wider one, the
+    /// later one of equal ones.
+    void drop_wider(std::uint32_t i, std::uint32_t j, bool holds, bool is_held);
     bool is_left_out(std::uint32_t i) const { return owner_[i] == none; }
 
     const Scene& scene_;

@@ -13,6 +13,15 @@
 ///     r = C / (beta + sqrt(beta^2 + A C)).
 ///
 /// The bisector is an elliptic cone; a parabolic cylinder when the axis is parallel to the base (A = 0).
+///
+/// A hollow cylinder, seen from within, has the radius below 0: rho = -R. Over the trace C < 0, and its wall
+/// is met at the smaller root
+///
+///     r = C / (beta - sqrt(beta^2 + A C)),
+///
+/// which is R - the distance from the axis, 0 on the trace's rim and negative beyond. The bisector is the
+/// lower nappe of a cone with its tip on the axis at height R, where beta^2 + A C = 0: that is |a|^2 |V|^2
+/// with V = a_z (x - p_x, y - p_y) + (rho + p_z) (a_x, a_y), for either kind.
 #pragma once
 
 #include <array>
@@ -28,7 +37,7 @@ template <class T>
 struct CylinderNumbers {
     T px, py, pz;  ///< a point of the axis
     T ax, ay, az;  ///< its direction
-    T rho;
+    T rho;         ///< below 0: seen from within
 };
 
 /// A cylinder whose numbers are all multiplied by `unit` > 0, so that they are exact.
@@ -43,6 +52,8 @@ struct CylinderForm {
     double ax = 0, ay = 0, az = 0;  ///< its direction
     double rho = 0;
     std::shared_ptr<const ExactCylinder> exact = nullptr;  ///< none: the doubles are exact
+
+    bool is_hollow() const { return rho < 0; }
 };
 
 inline ExactCylinder exact_cylinder(const CylinderForm& f) {
@@ -71,7 +82,7 @@ std::array<T, 2> cylinder_terms(const Form& f, const T& x, const T& y) {
     return {norm * (mx * mx + my * my + pz * pz - rho * rho) - along * along, norm * (rho + pz) + along * az};
 }
 
-/// The height at (x, y) by the form's doubles. Pre: C > 0 there.
+/// The height at (x, y) by the form's doubles. Pre: C > 0 there, or the cylinder is hollow.
 /// Both forms of the root are written without cancellation.
 template <class T>
 T cylinder_height(const CylinderForm& f, const T& x, const T& y) {
@@ -79,6 +90,7 @@ T cylinder_height(const CylinderForm& f, const T& x, const T& y) {
     const auto [C, beta] = cylinder_terms(f, x, y);
     const T A = T(f.az) * T(f.az);
     const T root = sqrt(beta * beta + A * C);
+    if (f.is_hollow()) return beta > T(0) ? -(root + beta) / A : C / (beta - root);
     return beta < T(0) ? (root - beta) / A : C / (root + beta);
 }
 

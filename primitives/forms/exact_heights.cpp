@@ -41,7 +41,8 @@ std::optional<Fraction> simplest_near(Wide v) {
 // c - 2 b r - a r^2 = 0 and its partial derivatives, all times one positive number.
 struct Equation {
     HeightEquation at, x, y;
-    bool has_root = false;  // c may differ from 0 where a does
+    bool has_root = false;         // c may differ from 0 where a does
+    bool is_smaller_root = false;  // of a hollow cylinder
 };
 
 Equation circular_equation(const ExactForm& f, const RationalPoint& p) {
@@ -61,7 +62,8 @@ Equation cylinder_equation(const ExactCylinder& f, const RationalPoint& p) {
              ss * a.z * a.z},
             {twice_s * (norm * m.x - along * a.x), ss * a.x * a.z, Exact()},
             {twice_s * (norm * m.y - along * a.y), ss * a.y * a.z, Exact()},
-            a.z.sign() != Sign::Zero};
+            a.z.sign() != Sign::Zero,
+            rho.sign() == Sign::Negative};
 }
 
 Equation radial_equation(const RadialForm& f, Chart chart, const RationalPoint& p) {
@@ -97,14 +99,14 @@ struct ExactHeight {
     Exact den;
 };
 
-// (-b + sqrt(b^2 + a c)) / a, or the solution of what is linear but for r = 0.
+// (-b +- sqrt(b^2 + a c)) / a, or the solution of what is linear but for r = 0.
 ExactHeight height(const Equation& e) {
     const auto& [c, b, a] = e.at;
     const auto over = [](const OneRoot& value, const Exact& den) {
         if (den.sign() == Sign::Negative) return ExactHeight{{-value.a, -value.b, value.c}, -den};
         return ExactHeight{value, den};
     };
-    if (e.has_root) return over({-b, Exact(1.0), b * b + a * c}, a);
+    if (e.has_root) return over({-b, e.is_smaller_root ? -1.0 : 1.0, b * b + a * c}, a);
     return a.sign() == Sign::Zero ? over({c, Exact(), Exact()}, b + b)
                                   : over({-(b + b), Exact(), Exact()}, a);
 }

@@ -37,7 +37,7 @@ struct HeightEquation {
 HeightEquation height_equation(const FormFamily& family, FormId f, const RationalPoint& p);
 
 /// Sign of f - g. Here and below over curved bases w is 1, and the point lies outside the trace of every
-/// cylinder.
+/// cylinder that is not hollow.
 Sign compare_exactly(const FormFamily& family, FormId f, FormId g, const RationalPoint& p);
 
 /// Do all of them have one height?

@@ -19,6 +19,12 @@ bool is_level(const CylinderNumbers<T>& f) {
     return f.az.sign() == Sign::Zero;
 }
 
+bool is_hollow(const CylinderForm& f) { return f.is_hollow(); }
+template <class T>
+bool is_hollow(const CylinderNumbers<T>& f) {
+    return f.rho.sign() == Sign::Negative;
+}
+
 // The height 1 / q, where C q^2 - 2 beta q - A = 0. Pre: C > 0; beta > 0 where A = 0.
 Wide height_of(const Wide& C, const Wide& beta, const Wide& A, const Wide& root) {
     return beta.sign() == Sign::Positive ? C / (root + beta) : (root - beta) / A;
@@ -27,13 +33,24 @@ Interval height_of(const Interval& C, const Interval& beta, const Interval& A, c
     return Interval(1.0) / root_range(beta, A, C);
 }
 
+// That of a hollow cylinder, whose root has the sign of beta + A r: not positive. Pre: beta < 0 where A = 0.
+Wide hollow_height_of(const Wide& C, const Wide& beta, const Wide& A, const Wide& root) {
+    return beta.sign() == Sign::Negative ? C / (root + beta) : (root - beta) / A;
+}
+Interval hollow_height_of(const Interval& C, const Interval& beta, const Interval& A, const Interval& root) {
+    const bool is_beside = beta.sign() == Sign::Negative;
+    if (!is_beside || A.sign() != Sign::Positive) return is_beside ? C / (root + beta) : (root - beta) / A;
+    return narrowed(C / (root + beta), (root - beta) / A);
+}
+
 // A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead
 // of N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
 template <class T>
 struct CylinderHeight {
-    T cx, cy, cz;  // m x a
-    T root, v;
-    bool outside = true;  // certainly outside the trace on the base
+    T cx, cy, cz;            // m x a
+    T root, v;               // root = beta + A v
+    bool is_known;           // certainly outside the trace on the base, or in a hollow cylinder
+    bool is_differentiable;  // certainly
 
     template <class Cylinder>
     CylinderHeight(const Cylinder& f, const CylinderConstants<T>& constants, const T& x, const T& y) {
@@ -43,10 +60,20 @@ struct CylinderHeight {
         cz = f.ay * mx - f.ax * my;
         const T C = square(cx) + square(cy) + square(cz) - constants.far;
         const T beta = constants.lift + f.az * (f.ax * mx + f.ay * my);
-        outside = C.sign() == Sign::Positive && (!is_level(f) || beta.sign() == Sign::Positive);
+        if (is_hollow(f)) {
+            const T D = constants.norm *
+                        (square(f.az * mx + constants.tip * f.ax) + square(f.az * my + constants.tip * f.ay));
+            is_known = !is_level(f) || beta.sign() == Sign::Negative;
+            is_differentiable = is_known && (is_level(f) || D.sign() == Sign::Positive);
+            root = is_level(f) ? beta : -sqrt(D);
+            v = is_known ? hollow_height_of(C, beta, constants.A, root) : T::whole();
+            return;
+        }
+        is_known = C.sign() == Sign::Positive && (!is_level(f) || beta.sign() == Sign::Positive);
         const T D = square(beta) + constants.A * C;
-        outside = outside && D.sign() == Sign::Positive;
-        if (!outside) {
+        is_known = is_known && D.sign() == Sign::Positive;
+        is_differentiable = is_known;
+        if (!is_known) {
             root = v = T::whole();
             return;
         }
@@ -58,7 +85,7 @@ struct CylinderHeight {
 template <class T, class Cylinder>
 HeightJet<T> cylinder_jet(const Cylinder& f, const CylinderConstants<T>& constants, const T& x, const T& y) {
     const CylinderHeight<T> h(f, constants, x, y);
-    if (!h.outside) return {T::whole(), T::whole(), T::whole()};
+    if (!h.is_differentiable) return {h.v, T::whole(), T::whole()};
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
     return {h.v, (f.ay * h.cz - f.az * (h.cy + f.ax * h.v)) / h.root,
             (f.az * (h.cx - f.ay * h.v) - f.ax * h.cz) / h.root};
@@ -239,7 +266,8 @@ std::array<double, 3> Heights::near(FormId f, double x, double y) const {
                  cz = c.ay * mx - c.ax * my, level = c.ax * c.ax + c.ay * c.ay, A = c.az * c.az,
                  C = cx * cx + cy * cy + cz * cz - (level + A) * c.rho * c.rho,
                  beta = (level + A) * c.rho + level * c.pz + c.az * (c.ax * mx + c.ay * my),
-                 root = std::sqrt(beta * beta + A * C), v = beta < 0 ? (root - beta) / A : C / (root + beta);
+                 side = c.is_hollow() ? -1 : 1, root = side * std::sqrt(std::max(0.0, beta * beta + A * C)),
+                 v = side * beta < 0 ? (root - beta) / A : C / (root + beta);
     return {v, (c.ay * cz - c.az * (cy + c.ax * v)) / root, (c.az * (cx - c.ay * v) - c.ax * cz) / root};
 }
 
@@ -264,7 +292,8 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
     const Interval &ax = c.ax, &ay = c.ay, &az = c.az, bx = az * ax, by = az * ay;
     const Interval beta = p.cylinder.lift + ((x - c.px) * ax + (y - c.py) * ay) * az;
     const Interval root = beta + p.cylinder.A * j.v;
-    if (root.sign() != Sign::Positive) return {Interval::whole(), Interval::whole(), Interval::whole()};
+    if (root.sign() != (form.is_hollow() ? Sign::Negative : Sign::Positive))
+        return {Interval::whole(), Interval::whole(), Interval::whole()};
     const auto second = [&](Interval C, Interval bu, Interval bv, Interval ru, Interval rv) {
         return (C - two * (bu * rv + bv * ru) - two * p.cylinder.A * ru * rv) / (two * root);
     };

@@ -53,18 +53,19 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
 }
 
 /// A cylinder's height over a plane base (primitives/forms/cylinder_form.hpp) takes these numbers at every
-/// place: A = a_z^2, far = |a|^2 rho^2, lift, the part of beta that does not depend on the place, and
-/// products of p_z. They are computed once.
+/// place: A = a_z^2, far = |a|^2 rho^2, lift, the part of beta that does not depend on the place, products of
+/// p_z, and for V of hollow ones |a|^2 and rho + p_z. They are computed once.
 template <class T>
 struct CylinderConstants {
-    T A, far, lift, ax_pz, ay_pz;
+    T A, far, lift, ax_pz, ay_pz, norm, tip;
 
     CylinderConstants() = default;
     template <class Cylinder>
     explicit CylinderConstants(const Cylinder& f) {
         const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho), level = square(ax) + square(ay);
         A = square(az);
-        const T norm = level + A;
+        norm = level + A;
+        tip = rho + pz;
         far = norm * square(rho);
         lift = norm * rho + level * pz;
         ax_pz = ax * pz;
@@ -85,7 +86,7 @@ public:
     Interval scale(Interval x, Interval y) const;
 
     /// Encloses height and gradient of f over the box x times y. Where the box reaches into a cylinder's
-    /// trace on the base: the whole line.
+    /// trace on the base: the whole line; so are derivatives of a hollow one's where it may hold the tip.
     HeightJet<Interval> jet(FormId f, Interval x, Interval y) const;
     Interval value(FormId f, Interval x, Interval y) const;
     /// About the height at a point and the derivatives of its differences to those that agree with it, as
@@ -133,7 +134,7 @@ public:
                                               Interval y);
 
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
-    /// Pre: the point lies outside the trace of every cylinder.
+    /// Pre: the point lies outside the trace of every cylinder that is not hollow.
     Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
     /// Compares by the exact rung alone. Pre: over curved bases w is 1.
     Sign compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const;

@@ -12,6 +12,7 @@
 /// chart is an equation of degree one.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -40,13 +41,26 @@ Quadric equation(const FormFamily& family, FormId f);
 /// to it.
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c);
 
-/// The chart point of X by quotients of coordinates. None where it is the pole, or t is not positive.
+/// Does X lie on the far side of the tip of a hollow cylinder over a plane, where its equation has the other
+/// root? No point of the envelope does.
+template <class Coordinate>
+bool is_behind_tip(const FormFamily& family, const std::array<Coordinate, unknowns>& p) {
+    return std::ranges::any_of(family.cylinders, [&](const CylinderForm& f) {
+        if (!f.is_hollow()) return false;
+        const ExactCylinder exact = exact_cylinder(f);
+        return sign(exact.unit * p[3] + exact.rho * p[4]) == Sign::Positive;
+    });
+}
+
+/// The chart point of X by quotients of coordinates. None where it is the pole, or t is not positive, or
+/// beyond a tip.
 template <class Number, class Coordinate, class Quotient>
 std::optional<std::array<Number, 2>> chart_point(const FormFamily& family,
                                                  const std::array<Coordinate, unknowns>& p,
                                                  Quotient&& quotient) {
     using Point = std::array<Number, 2>;
     if (sign(p[4]) != Sign::Positive || sign(p[3]) != Sign::Positive) return std::nullopt;
+    if (is_behind_tip(family, p)) return std::nullopt;
     const Chart chart = family.compared_over();
     if (chart.is_plane()) return Point{quotient(p[0], p[4]), quotient(p[1], p[4])};
     const Coordinate ahead = p[3] + p[2], behind = p[3] - p[2];

@@ -19,17 +19,20 @@ PlaneTerms<T> terms_of_circle(const T& K, const T& A, const T& B, const T& C, co
     return {-(W + W), {C, A, B, K, zero, K}, {zero, zero, zero, zero, zero, zero}};
 }
 
-// In the cylinder's unit lengths are multiplied by u: the equation is that of primitives/forms/exact_heights.
+// In the cylinder's unit lengths are multiplied by u: the equation is that of primitives/forms/exact_heights,
+// of a hollow one with all signs changed, so that R is positive.
 template <class T>
-PlaneTerms<T> terms_of_cylinder(const CylinderNumbers<T>& f, const T& u) {
-    const T uu = u * u, norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az,
-            k = f.px * f.ax + f.py * f.ay + f.pz * f.az, two_u = u + u,
-            squares = f.px * f.px + f.py * f.py + f.pz * f.pz - f.rho * f.rho, zero(0.0);
-    return {-(uu * f.az * f.az),
-            {-(u * (norm * (f.rho + f.pz) - k * f.az)), -(uu * f.ax * f.az), -(uu * f.ay * f.az), zero, zero,
-             zero},
-            {norm * squares - k * k, two_u * (f.ax * k - norm * f.px), two_u * (f.ay * k - norm * f.py),
-             uu * (norm - f.ax * f.ax), -((uu + uu) * f.ax * f.ay), uu * (norm - f.ay * f.ay)}};
+PlaneTerms<T> terms_of_cylinder(const CylinderNumbers<T>& f, const T& u, bool is_hollow) {
+    const T side(is_hollow ? -1.0 : 1.0),
+        uu = side * u * u, su = side * u, norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az,
+        k = f.px * f.ax + f.py * f.ay + f.pz * f.az, two_u = su + su,
+        squares = f.px * f.px + f.py * f.py + f.pz * f.pz - f.rho * f.rho, zero(0.0);
+    return {
+        -(uu * f.az * f.az),
+        {-(su * (norm * (f.rho + f.pz) - k * f.az)), -(uu * f.ax * f.az), -(uu * f.ay * f.az), zero, zero,
+         zero},
+        {side * (norm * squares - k * k), two_u * (f.ax * k - norm * f.px), two_u * (f.ay * k - norm * f.py),
+         uu * (norm - f.ax * f.ax), -((uu + uu) * f.ax * f.ay), uu * (norm - f.ay * f.ay)}};
 }
 
 template <class T, class Convert>
@@ -62,8 +65,9 @@ FormTerms terms(const FormFamily& family, FormId f) {
         return {terms_on_sphere(K, A, B, C, W), false};
     }
     if (family.radial.empty()) {
-        const ExactCylinder exact = exact_cylinder(family.cylinder(f));
-        return {terms_of_cylinder<Exact>(exact, exact.unit), true};
+        const CylinderForm& c = family.cylinder(f);
+        const ExactCylinder exact = exact_cylinder(c);
+        return {terms_of_cylinder<Exact>(exact, exact.unit, c.is_hollow()), true};
     }
     const RadialForm& r = family.radial_form(f);
     return {terms_of_radial<Exact>(r, [](const Exact& e) { return e; }), r.has_root()};
@@ -80,7 +84,7 @@ EitherTerms<double> rough_terms(const FormFamily& family, FormId f) {
     }
     if (family.radial.empty()) {
         const CylinderForm& c = family.cylinder(f);
-        return terms_of_cylinder<double>({c.px, c.py, c.pz, c.ax, c.ay, c.az, c.rho}, 1.0);
+        return terms_of_cylinder<double>({c.px, c.py, c.pz, c.ax, c.ay, c.az, c.rho}, 1.0, c.is_hollow());
     }
     return terms_of_radial<double>(family.radial_form(f), [](const Exact& e) { return e.enclosure().mid(); });
 }
@@ -178,7 +182,7 @@ FormSignature::FormSignature(const FormFamily& family, FormId f) {
     double square_of_scale;
     if (const auto* plane = std::get_if<PlaneTerms<double>>(&rough)) {
         ends = {put(std::array{plane->a}), put(plane->b), put(plane->c)};
-        square_of_scale = has_root ? numbers[10] + numbers[12] : -numbers[0];
+        square_of_scale = has_root ? std::abs(numbers[10] + numbers[12]) : -numbers[0];
     } else {
         const auto& radial = *std::get_if<RadialTerms<double>>(&rough);
         ends[0] = put(radial.c);
