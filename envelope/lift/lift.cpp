@@ -144,6 +144,7 @@ public:
     }
 
     void set_patches(FaceId face, std::vector<TrimmedPatch>& patches) {
+        if (!problem_.lifts(diagram_.face_forms[face], diagram_.is_below_floor)) return;
         for (const CutPart& part : mixed_.parts(face)) {
             TrimmedPatch& patch = append_new(patches);
             patch.loops = part.loops;
@@ -174,6 +175,7 @@ public:
     LiftedEdgeErrors set_curve(EdgeId e, double, RationalCurve3& curve) {
         Range heights = empty_range;
         MixedArcs::Error error;
+        if (!mixed_.is_lifted(e)) return {0, 0};
         if (mixed_.contains(e)) {
             mixed_.set_curve(e, problem_.frame, curve, heights);
             error = mixed_.error(e);

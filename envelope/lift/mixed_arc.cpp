@@ -212,13 +212,20 @@ MixedArcs::MixedArcs(const PlaneBaseProblem& problem, const MinimizationDiagram&
     kinds_.resize(diagram.edges.size(), CurveKind::Spline);
     errors_.resize(diagram.edges.size());
     curves_.emplace(diagram_, kinds_, points_, true);
+    if (!problem.floor.empty())
+        for (const EdgeId e : diagram.edges.ids())
+            is_lifted_.push_back(std::ranges::any_of(std::array{0u, 1u}, [&](unsigned side) {
+                const FormId form = diagram.face_forms[diagram.face(e, side)];
+                return form.valid() && problem.lifts(form, diagram.is_below_floor);
+            }));
     std::vector<EdgeId> splines;
     for (const EdgeId e : diagram.edges.ids())
-        if (contains(e) && !add_section(problem, e)) splines.push_back(e);
+        if (contains(e) && is_lifted(e) && !add_section(problem, e)) splines.push_back(e);
     add_splines(problem, splines, tolerance, threads);
     std::uint32_t seams = 0;
     for (const FaceId face : diagram.face_forms.ids())
-        if (sectors_->is_cut(face)) cut(problem, loops, face, seams);
+        if (sectors_->is_cut(face) && problem.shows(diagram.face_forms[face], diagram.is_below_floor))
+            cut(problem, loops, face, seams);
 }
 
 // The plane that the arc of an edge lies in, if there is one with rational coefficients.

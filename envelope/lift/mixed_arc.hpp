@@ -62,6 +62,9 @@ public:
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         return !diagram_.is_circular(edge.left) || (!edge.on_rim() && !diagram_.is_circular(edge.right));
     }
+    /// Is a face beside the edge lifted? What is below the base on both sides, where rays do not reach, has no
+    /// curve.
+    bool is_lifted(EdgeId e) const { return !curves_ || is_lifted_.empty() || is_lifted_[e]; }
     /// Pre: there are cylinders, here and below.
     const EdgeCurves& curves() const { return *curves_; }
     CurveKind kind(EdgeId e) const { return kinds_[e]; }
@@ -109,6 +112,7 @@ private:
     std::map<FaceId, std::vector<CutPart>> cut_;
     IdVector<EdgeId, CurveKind> kinds_;
     IdVector<VertexId, Eigen::Vector4d> points_;
+    IdVector<EdgeId, bool> is_lifted_;  // empty: all are
     std::optional<EdgeCurves> curves_;
     IdVector<EdgeId, Error> errors_;
 };

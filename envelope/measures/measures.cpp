@@ -477,6 +477,7 @@ private:
 
     void measure_face(FaceId id, CellFace& face, Sums& sums) const {
         const FormId form = diagram_.face_forms[id];
+        if (!problem_.lifts(form, diagram_.is_below_floor)) return;
         if (diagram_.is_circular(form))
             measure_circular_face(id, diagram_.forms[form], face, sums);
         else

@@ -57,13 +57,13 @@ bool PlainJoin::join() {
 // the label of one side to that of the other: so they do, too, where an arc leaves along a side. If both are
 // one form, it is lowest along two directions and all between them; only where these are opposite may one
 // other form be equal along both: their trisector touches the side, and passes through the piece if the other
-// form falls faster towards the inside.
+// form falls faster towards the inside. Of two forms of which the greater one shows likewise.
 std::optional<PlainJoin::RimKnot> PlainJoin::forms_around_knot(std::uint32_t v) {
     const auto [arriving, leaving] = work_.sides_at(v);
     const std::size_t rim = work_.piece.rim.size();
     const FormId first = work_.piece.rim[v].label, last = work_.piece.rim[(v + rim - 1) % rim].label;
     RimKnot knot{v, work_.piece.vertices[v].ties, {first}};
-    if (!work_.rule.spares(knot.ties)) return std::nullopt;
+    if (!work_.rule.spares(knot.ties) && knot.ties.size() != 2) return std::nullopt;
     SmallVector<const Spread*, usual_rivals> ties;
     for (const FormId f : knot.ties) {
         const Spread* s = work_.find(f);
@@ -79,7 +79,9 @@ std::optional<PlainJoin::RimKnot> PlainJoin::forms_around_knot(std::uint32_t v) 
         const auto [gx, gy] = work_.gradient(*other, *lowest);
         const auto inward = (Interval(leaving->a) * gx + Interval(leaving->b) * gy).sign();
         if (!inward || *inward == Sign::Zero) return std::nullopt;
-        if (*inward == Sign::Negative) knot.around = {first, other->form, first};
+        const bool shows_greater = work_.rule.shows_greater(other->form, lowest->form);
+        if (*inward == (shows_greater ? Sign::Positive : Sign::Negative))
+            knot.around = {first, other->form, first};
         return knot;
     }
     while (knot.around.back() != last) {

@@ -76,8 +76,9 @@ std::optional<std::vector<RimTransition>> SideCrossings::order(const SideLine& l
 // keep their signs, so does D on both sides of p.
 std::optional<RimTransition> SideCrossings::find_tie(const SideLine& line, double s0, FormId l0, double s1,
                                                      FormId l1, std::span<const FormId> forms) {
-    if (!rule_.spares(forms)) return std::nullopt;
     const std::size_t n = forms.size();
+    if (!rule_.spares(forms) && n != 2) return std::nullopt;
+    const bool shows_greater = n == 2 && rule_.shows_greater(forms[0], forms[1]);
     const double m = Interval(s0, s1).mid();
     const IntervalPoint range = line.at(Interval(s0, s1));
     const auto slope = [&](std::size_t i, std::size_t j) {
@@ -142,8 +143,9 @@ std::optional<RimTransition> SideCrossings::find_tie(const SideLine& line, doubl
                 before = after = bend(i, j).sign();
             }
             if (!after || *after == Sign::Zero) return std::nullopt;
-            lowest_before[*before == Sign::Negative ? j : i] = false;
-            lowest_after[*after == Sign::Negative ? j : i] = false;
+            const Sign of_hidden = shows_greater ? Sign::Positive : Sign::Negative;
+            lowest_before[*before == of_hidden ? j : i] = false;
+            lowest_after[*after == of_hidden ? j : i] = false;
         }
     tie.before = forms[std::ranges::find(lowest_before, true) - lowest_before.begin()];
     tie.after = forms[std::ranges::find(lowest_after, true) - lowest_after.begin()];

@@ -127,15 +127,16 @@ public:
         const double by_lengths = moved_by_lengths(scene_);
         problem.moved = std::max(frame_->moved(), by_lengths);
         problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
-        problem.region = sides_;
+        problem.region = is_cut_by_vessel_ && !has_floor_ ? region_in_vessels() : sides_;
         if (!floor_.empty())
             problem.region_in_box = has_floor_ ? base_region(base_, scene_.box, box_) : sides_;
         problem.has_curved_rim = is_cut_by_vessel_;
-        problem.floor = std::move(floor_);
-        for (const ExactPoint& corner : region_.corners()) problem.corners.push_back(corner.rounded());
-        for (std::size_t i = 0; i < sides_.size() && !has_floor_; ++i)
+        for (const ExactPoint& corner : region_corners(problem.region))
+            problem.corners.push_back(corner.rounded());
+        for (std::size_t i = 0; i < sides_.size() && floor_.empty(); ++i)
             problem.corner_sites.push_back(sides_through(
                 base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
+        problem.floor = std::move(floor_);
         problem.family.forms = std::move(forms_);
         for_tubes([&](std::uint32_t i) {
             if (!objects_.is_kept(i)) return;
@@ -265,6 +266,21 @@ private:
                 world_corners_.push_back(world_corner(
                     base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         return world_corners_;
+    }
+
+    // Where the base is the floor sides of the box that lean out over it must not bound the region, along
+    // which they and the base would be one function. No tube may be met in what comes to it.
+    std::vector<RegionSide> region_in_vessels() const {
+        for (const double part : {0x1p-10, 0x1p-20, 0x1p-30}) {
+            std::vector<RegionSide> wide = widened(sides_, box_, part * scene_.box.diagonal());
+            const BaseRegion region(wide);
+            const auto is_clear = [&](std::uint32_t i) {
+                return !objects_.is_kept(i) ||
+                       region.lowest(trace_on_base(form_of(i)), smallest_coefficient) == Sign::Positive;
+            };
+            if (std::ranges::all_of(objects_.cylinders.objects, is_clear)) return wide;
+        }
+        return sides_;
     }
 
     // Those that are hollow, too, in the order of objects.

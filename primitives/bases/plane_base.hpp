@@ -52,6 +52,10 @@ struct PlaneBaseProblem : BaseProblem {
 
     /// Holds the region {x0, x1, y0, y1}, but for the rounding of its corners.
     std::array<double, 4> chart_box() const;
+    /// Is the form's face lifted? The floor's are with the other part's, too, whose trims they have.
+    bool lifts(FormId f, bool is_below_floor) const {
+        return shows(f, is_below_floor) || (f >= floor.front() && f <= floor.back());
+    }
     /// Is there a floor, and does this diagram's part of the cell's boundary have the faces of that form?
     /// Those above have the floor's faces where all rays have been met, or none has come in.
     bool shows(FormId f, bool is_below_floor) const {

@@ -158,6 +158,17 @@ std::vector<RegionSide> base_region(const Plane& base, const Box& world, const s
     return bounded_by(lines);
 }
 
+std::vector<RegionSide> widened(const std::vector<RegionSide>& region, const std::array<BoxSide, 6>& box,
+                                double margin) {
+    std::vector<RegionSide> lines = region;
+    for (RegionSide& side : lines) {
+        if (!(box[side.site.index].m.z() > 0)) continue;
+        side.c += margin * std::hypot(side.a, side.b);
+        side.site = Site::base();
+    }
+    return bounded_by(lines);
+}
+
 bool has_rays_from_outside(const Plane& base, const Box& box, const std::array<BoxSide, 6>& sides) {
     for (const BoxSide& side : sides) {
         if (!(side.m.z() < 0) || (side.m.x() == 0 && side.m.y() == 0)) continue;

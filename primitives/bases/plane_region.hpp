@@ -48,6 +48,10 @@ std::vector<RegionSide> base_region(const Plane& base, const Box& world, const s
 /// but for sides of the box upright on it: these bound it exactly. Its other sides are none of the box.
 std::vector<RegionSide> ray_region(const Plane& base, const Box& world, const std::array<BoxSide, 6>& box,
                                    const BaseFrame& frame);
+/// The region with the sides that lean out over it moved out by so much, and none of the box any more: there
+/// the base is as near as the side of the box, which bounds a cell above the base from there on.
+std::vector<RegionSide> widened(const std::vector<RegionSide>& region, const std::array<BoxSide, 6>& box,
+                                double margin);
 /// Do rays come into the box from base points outside it? Exact, but for sides that are rounded to upright
 /// ones: where the box has corners in front of the base on a side that leans over it.
 bool has_rays_from_outside(const Plane& base, const Box& box, const std::array<BoxSide, 6>& sides);

@@ -1,4 +1,5 @@
-/// Cells of base planes in hollow spheres, whose region has a curved rim, against distances alone.
+/// Cells of base planes in hollow spheres and cylinders, whose region has a curved rim, against distances
+/// alone.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -118,6 +119,57 @@ TEST_CASE("planes in vessels: alone in a hollow sphere a plane has all below a p
     }
 }
 
+// Below the tip at height R lies the cone over the trace of the wall on the base.
+TEST_CASE(
+    "planes in vessels: alone in a hollow cylinder a plane has all below a cone or a parabolic cylinder") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.box = wide;
+    const auto check = [](double value, double error, double truth) {
+        CHECK(std::abs(value - truth) <= error + 1e-14);
+        CHECK(error < 1e-10);
+    };
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0, 0, -2), Vec3(1, 2, 3), Vec3(-0.5, 0, 1)}) {
+        CAPTURE(axis.transpose());
+        constexpr double radius = 1.125;
+        scene.objects = {HollowCylinder{{0.125, -0.25, 0.5}, axis, radius}};
+        const Cell cell = voronoi_cell(scene);
+        const bool is_upright = axis.head<2>().isZero(0);
+        REQUIRE(cell.faces.size() == 1);
+        CHECK(cell.faces[0].bisector == (is_upright ? "circular cone" : "elliptic cone"));
+        CHECK(cell.faces[0].patches.size() == 3);
+        REQUIRE(cell.edges.size() == 1);
+        CHECK(cell.edges[0].vertices.empty());
+        CHECK(cell.edges[0].kind == (is_upright ? CurveKind::Circle : CurveKind::Ellipse));
+        CHECK(cell.edges[0].error < 1e-11);
+        const Measures& m = cell.measures;
+        const double area = pi * radius * radius / std::abs(axis.normalized().z());
+        check(m.base_area, m.base_area_error, area);
+        check(m.volume, m.volume_error, area * radius / 3);
+        check(m.min_clearance, m.min_clearance_error, 0);
+        check(m.max_clearance, m.max_clearance_error, radius);
+        if (is_upright) {
+            check(m.area, m.area_error, std::sqrt(2) * area);
+            check(cell.edges[0].length, cell.edges[0].length_error, 2 * pi * radius);
+        }
+        CHECK(!m.touches_box);
+    }
+    for (const double height : {0.25, 0.0, -0.5}) {
+        CAPTURE(height);
+        scene.objects = {HollowCylinder{{0, 0.25, height}, {1, 0, 0}, 1.25}};
+        const Cell cell = voronoi_cell(scene);
+        REQUIRE(cell.faces.size() == 1);
+        CHECK(cell.faces[0].bisector == "parabolic cylinder");
+        CHECK(cell.edges.size() == 4);
+        const Measures& m = cell.measures;
+        const double square = 1.25 * 1.25 - height * height, width = std::sqrt(square);
+        check(m.base_area, m.base_area_error, 8 * width);
+        check(m.volume, m.volume_error, 4 * (4.0 / 3) * square * width / (2 * (1.25 - height)));
+        check(m.max_clearance, m.max_clearance_error, 0.5 * (1.25 + height));
+        CHECK(m.touches_box);
+    }
+}
+
 TEST_CASE("planes in vessels: walls that cross, the box and other objects bound what is over the base") {
     Scene scene;
     scene.base = Plane{{0, 0, 0.125}, {0, 0, 1}};
@@ -138,6 +190,33 @@ TEST_CASE("planes in vessels: walls that cross, the box and other objects bound 
     SUBCASE("all of the region is within the wall") {
         scene.box = {{-0.75, -0.5, -1}, {0.5, 0.75, 1}};
         scene.objects = {HollowSphere{{0, 0, 0.25}, 1.25}, Sphere{{0.25, 0.25, 1}, 0.25}};
+    }
+    SUBCASE("a silo and the box") {
+        scene.box.max.x() = 0.75;
+        scene.objects = {HollowCylinder{{0.25, 0, 0}, {0, 0, 1}, 1.25}, Sphere{{0.25, 0.25, 1}, 0.25},
+                         Plane{{0, 0, 1.25}, {0, 0.25, 1}}, Sphere{{-0.5, 0.25, 0.5}, 0.25}};
+    }
+    SUBCASE("an oblique silo, a hollow sphere and tubes") {
+        scene.objects = {HollowCylinder{{0, 0, 0.25}, {0.25, -0.5, 1}, 1}, HollowSphere{{0.25, 0, 0.25}, 1.5},
+                         Cylinder{{0, 0, 0.75}, {1, 0.5, 0.125}, 0.125}};
+    }
+    SUBCASE("silos that cross") {
+        scene.objects = {HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1},
+                         HollowCylinder{{0.5, 0.25, 0}, {0, 0, 1}, 1},
+                         HollowCylinder{{0.25, 0, 0.25}, {0.5, 0.5, 1}, 1}, Sphere{{0.25, 0.25, 1}, 0.25}};
+    }
+    SUBCASE("a pipe around a silo") {
+        scene.objects = {HollowCylinder{{0, 0, 0.25}, {1, 0.25, 0}, 0.75},
+                         HollowCylinder{{0.125, 0.25, 0}, {0, 0, 1}, 1}, Sphere{{0.25, 0.25, 0.75}, 0.25}};
+    }
+    SUBCASE("a ring around a ball") {
+        scene.objects = {HollowCylinder{{0.125, 0, 0}, {0, 0.125, 1}, 1}, Sphere{{0.125, 0, 0.75}, 0.5}};
+    }
+    SUBCASE("a leaning base in a silo") {
+        scene.base = Plane{{0, 0, -0.125}, {0.125, 0.25, 1}};
+        scene.box = {{-0.75, -1, -1}, {1, 0.875, 1.5}};
+        scene.objects = {HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1}, Sphere{{0.25, 0.25, 1}, 0.25},
+                         Cylinder{{-0.25, 0.5, 0.5}, {1, 0.25, 0}, 0.125}};
     }
     SUBCASE("a leaning base") {
         scene.base = Plane{{0, 0, -0.125}, {0.125, 0.25, 1}};
@@ -160,6 +239,9 @@ TEST_CASE("planes in vessels: random balls over random planes") {
         scene.box = wide;
         scene.objects = {HollowSphere{0.3 * Vec3(unit(rng), unit(rng), unit(rng)), 1.5},
                          HollowSphere{0.5 * Vec3(unit(rng), unit(rng), unit(rng)), 1.75}};
+        if (round % 2 == 0)
+            scene.objects[1] = HollowCylinder{
+                0.3 * Vec3(unit(rng), unit(rng), unit(rng)), {unit(rng), unit(rng), unit(rng)}, 1};
         while (scene.objects.size() < 12) {
             const Sphere ball{1.3 * Vec3(unit(rng), unit(rng), unit(rng)), 0.1 + 0.1 * std::abs(unit(rng))};
             if (std::abs(away(scene.base, ball.center)) > 1.05 * ball.radius) scene.objects.push_back(ball);
@@ -204,6 +286,10 @@ TEST_CASE("planes in vessels: none is left of a plane beyond the walls") {
     CHECK(is_empty({HollowSphere{{1, 0, 0}, 0.75}, HollowSphere{{-1, 0, 0}, 0.75}}));
     CHECK(is_empty({HollowSphere{{1, 0, 0}, 1}, HollowSphere{{-1, 0, 0}, 1}}));
     CHECK(!is_empty({HollowSphere{{1, 0, 0}, 1.0625}, HollowSphere{{-1, 0, 0}, 1}}));
+    CHECK(is_empty({HollowCylinder{{0, 0, 1.25}, {1, 0, 0}, 1}}));
+    CHECK(is_empty({HollowCylinder{{0, 0, 1}, {1, 0, 0}, 1}}));
+    CHECK(is_empty({HollowCylinder{{3, 0, 0}, {0, 0, 1}, 1}}));
+    CHECK(is_empty({HollowCylinder{{1, 0, 0}, {0, 0, 1}, 1}, HollowCylinder{{-1, 0, 0}, {0, 0, 1}, 1}}));
 }
 
 // What is nearest to a plane, on both of its sides, by random points.
@@ -232,7 +318,9 @@ TEST_CASE("planes in vessels: whole diagrams have cells of planes in hollow sphe
         const double part = static_cast<double>(hits[i]) / samples;
         CHECK(std::abs(diagram.cells[i].volume / 27 - part) <= 5 * std::sqrt(part / samples));
     }
-    scene.objects.push_back(HollowCylinder{{0, 0, 0}, {0, 0, 1}, 2});
+    scene.objects.push_back(HollowCylinder{{0, 0, 0}, {0, 0.25, 1}, 2});
+    CHECK(voronoi_diagram(scene).cells[0].state == DiagramCell::State::Computed);
+    scene.objects.push_back(HollowCone{{0, 0, -4}, {0, 0, 1}, 1, 2});
     CHECK(voronoi_diagram(scene).cells[0].state == DiagramCell::State::Wall);
 }
 

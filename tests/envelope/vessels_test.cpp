@@ -300,8 +300,8 @@ TEST_CASE("vessels: what is not supported is refused by name") {
     Scene scene = in_sphere({{0, 0, 0}, 0.5}, {{0, 0, 0}, 2});
     Scene plane = scene;
     plane.base = Plane{{0, 0, 0}, {0, 0, 1}};
-    plane.objects[0] = HollowCylinder{{0, 0, 0}, {0, 0, 1}, 2};
-    CHECK(complaint(plane) == "objects[0].hollow_cylinder" + kind(Kind::Unsupported));
+    plane.objects[0] = HollowCone{{0, 0, -1}, {0, 0, 1}, 1, 2};
+    CHECK(complaint(plane) == "objects[0].hollow_cone" + kind(Kind::Unsupported));
     Scene base = scene;
     base.base = HollowSphere{{0, 0, 0}, 2};
     CHECK(complaint(base) == "base.hollow_sphere" + kind(Kind::Unsupported));

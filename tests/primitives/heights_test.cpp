@@ -36,7 +36,7 @@ bool holds(const Interval& range, const Wide& value) {
 }
 
 // Sizes of any order, axes along the base and across it, and boxes from points to many radii.
-TEST_CASE("heights: those of cylinders over a plane hold their members', and over points are tight") {
+TEST_CASE("heights: those of solid and hollow cylinders over a plane hold their members', and over points are tight") {
     Samples samples;
     int bounded = 0, tight = 0;
     for (const double exponents : {0.0, 10.0, 300.0, 600.0})
@@ -49,6 +49,7 @@ TEST_CASE("heights: those of cylinders over a plane hold their members', and ove
             f.ay = samples.any(exponents / 100);
             f.az = samples.any(exponents / 100);
             f.rho = std::abs(samples.any(exponents));
+            if (round % 2 == 1) f.rho = -f.rho;  // hollow
             FormFamily family;
             family.cylinders.push_back(f);
             const Heights heights(family);
