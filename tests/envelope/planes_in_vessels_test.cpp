@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "../../core/errors.hpp"
@@ -214,7 +215,7 @@ TEST_CASE("planes in vessels: walls that cross, the box and other objects bound 
     }
     SUBCASE("a leaning base in a silo") {
         scene.base = Plane{{0, 0, -0.125}, {0.125, 0.25, 1}};
-        scene.box = {{-0.75, -1, -1}, {1, 0.875, 1.5}};
+        scene.box = {{-0.75, -1.125, -1}, {1.125, 0.875, 1.5}};
         scene.objects = {HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1}, Sphere{{0.25, 0.25, 1}, 0.25},
                          Cylinder{{-0.25, 0.5, 0.5}, {1, 0.25, 0}, 0.125}};
     }
@@ -266,6 +267,38 @@ TEST_CASE("planes in vessels: random balls over random planes") {
     }
 }
 
+TEST_CASE(
+    "planes in vessels: of equal hollow cylinders one bounds the cell, wider ones are left out by name") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.box = wide;
+    scene.objects = {HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1.5}, HollowCylinder{{0.25, 0, 0}, {0, 0, 1}, 1},
+                     HollowCylinder{{0.25, 0, 3}, {0, 0, -2}, 1}};
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(cell.faces.size() == 1);
+    CHECK(cell.faces[0].site == Site::object(1));
+    CHECK(cell.faces[0].extra_sites == std::vector{Site::object(2)});
+    REQUIRE(cell.report.warnings.size() == 2);
+    CHECK(cell.report.warnings[0].find("beyond the wall of") != std::string::npos);
+}
+
+// A wall that touches sides of the box, as a silo does the box around it, has vertices there.
+TEST_CASE("planes in vessels: walls that touch sides of the box") {
+    for (const double radius : {1.0, 0.75}) {
+        CAPTURE(radius);
+        Scene scene;
+        scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+        scene.box = {{0.25 - radius, -radius, -1}, {0.25 + radius, radius, 2}};
+        scene.objects = {HollowCylinder{{0.25, 0, 0}, {0, 0, 1}, radius}, Sphere{{0.25, 0.25, 0.5}, 0.25}};
+        const Cell cell = voronoi_cell(scene);
+        CHECK(cell.vertices.size() == 4);
+        CHECK(cell.report.decisions.assumed == 0);
+        CHECK(std::abs(cell.measures.base_area - pi * radius * radius) <= cell.measures.base_area_error);
+        check_against_samples(scene, cell);
+        check_vertices_on(cell);
+    }
+}
+
 TEST_CASE("planes in vessels: none is left of a plane beyond the walls") {
     Scene scene;
     scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
@@ -289,7 +322,7 @@ TEST_CASE("planes in vessels: none is left of a plane beyond the walls") {
     CHECK(is_empty({HollowCylinder{{0, 0, 1.25}, {1, 0, 0}, 1}}));
     CHECK(is_empty({HollowCylinder{{0, 0, 1}, {1, 0, 0}, 1}}));
     CHECK(is_empty({HollowCylinder{{3, 0, 0}, {0, 0, 1}, 1}}));
-    CHECK(is_empty({HollowCylinder{{1, 0, 0}, {0, 0, 1}, 1}, HollowCylinder{{-1, 0, 0}, {0, 0, 1}, 1}}));
+    CHECK(is_empty({HollowCylinder{{1, 0, 0}, {0, 0, 1}, 0.9}, HollowCylinder{{-1, 0, 0}, {0, 0, 1}, 1}}));
 }
 
 // What is nearest to a plane, on both of its sides, by random points.
