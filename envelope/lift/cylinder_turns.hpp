@@ -23,6 +23,13 @@ inline double chart_angle(double x) {
     return x > 1 ? std::numbers::pi + 2 * std::atan(x - 2) : 2 * std::atan(x);
 }
 
+/// How far a way that turns by `turn` from an angle on has turned when it comes to another one first.
+inline double turned_until(double angle, double from, double turn) {
+    constexpr double whole = 2 * std::numbers::pi;
+    const double part = std::fmod(turn < 0 ? from - angle : angle - from, whole);
+    return part < 0 ? part + whole : part;
+}
+
 /// Where the sides of `count` sectors once around keep furthest from all of these angles.
 double clear_angle(std::vector<double> angles, std::size_t count);
 

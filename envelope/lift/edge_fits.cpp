@@ -68,15 +68,14 @@ void EdgeFits::fit_axial_conic(EdgeId e) {
 
 // Monotonic, as the conic has one point over every angle. An end so near to a seam counts as on it.
 std::vector<double> EdgeFits::angles_along(EdgeId e) const {
-    constexpr double pi = std::numbers::pi, widest = pi / 3, near = 0x1p-32;
+    constexpr double widest = std::numbers::pi / 3, near = 0x1p-32;
     const auto [from, turn] = patches_.turns().along(e);
     std::vector<double> parts;
     const auto count = static_cast<int>(std::ceil(std::abs(turn) / widest));
     for (int i = 1; i < count; ++i) parts.push_back(std::abs(turn) * i / count);
     for (const unsigned side : {0u, 1u})
         for (const Sector& s : patches_.sectors(of_.diagram.face(e, side))) {
-            double part = std::fmod(turn < 0 ? from - s.from : s.from - from, 2 * pi);
-            if (part < 0) part += 2 * pi;
+            const double part = turned_until(s.from, from, turn);
             if (part > near && part < std::abs(turn) - near) parts.push_back(part);
         }
     sort_unique(parts);

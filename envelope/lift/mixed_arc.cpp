@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "based_diagram.hpp"
 #include "conic_error.hpp"
 #include "conic_trim.hpp"
+#include "cylinder_turns.hpp"
 #include "edge_trims.hpp"
 #include "fit_all.hpp"
 
@@ -313,10 +313,6 @@ std::vector<Vector4d> MixedArcs::points_along(const PlaneBaseProblem& problem, E
     std::optional<Vector2d> focus;
     std::array<double, 2> along{};
     const bool is_closed = !curves_->has_ends(e);
-    const auto part_of = [&](double angle) {
-        double part = std::fmod(along[1] < 0 ? along[0] - angle : angle - along[0], 2 * std::numbers::pi);
-        return part < 0 ? part + 2 * std::numbers::pi : part;
-    };
     for (const unsigned side : {0u, 1u}) {
         if (!is_beside_cylinder(e, side) || !sectors_->is_cut(diagram_.face(e, side))) continue;
         const FaceId face = diagram_.face(e, side);
@@ -328,13 +324,11 @@ std::vector<Vector4d> MixedArcs::points_along(const PlaneBaseProblem& problem, E
             along = around;
         }
         for (const CylinderSector& s : (*sectors_)[face]) {
-            double part =
-                std::fmod(around[1] < 0 ? around[0] - s.from : s.from - around[0], 2 * std::numbers::pi);
-            if (part < 0) part += 2 * std::numbers::pi;
+            const double part = radial::turned_until(s.from, around[0], around[1]);
             if (!is_closed && !(part > near && part < std::abs(around[1]) - near)) continue;
             const Vector4d X = Section(form, s.frame, plane).at(s.from);
             const Vector2d q = X.head<2>() - *focus;
-            crossings.push_back({part_of(std::atan2(q.y(), q.x())), X});
+            crossings.push_back({radial::turned_until(std::atan2(q.y(), q.x()), along[0], along[1]), X});
         }
     }
     if (is_closed && crossings.empty()) return {};

@@ -240,17 +240,12 @@ void add_region_minimum(const CircularForm& f, const PlaneBaseProblem& problem, 
 
 // The same for a cylinder. Its height grows along the rays from A (cylinder_patch.hpp), or is constant along
 // the axis: it is smallest on the region's rim. It is convex: on a side, smallest where its slope changes
-// sign, and nowhere smaller than what its tangents say. A hollow one's is concave.
+// sign, and nowhere smaller than what its tangents say. A hollow one's is concave, and smallest at a corner.
 void add_region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem, Least& least) {
     const auto& corners = problem.corners;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Vector2d p = corners[i], along = corners[(i + 1) % corners.size()] - p;
-        if (f.side() < 0) {
-            const auto jet = f(p);
-            least.add(jet.value, height_error(f, jet, p));
-            continue;
-        }
-        double low = 0, high = 1;
+        double low = 0, high = f.side() > 0 ? 1 : 0;
         // A quarter of the digits each time would be enough for Newton's method; the flat bottom needs half
         // of them.
         constexpr int halvings = 30;
@@ -262,7 +257,7 @@ void add_region_minimum(const CylinderHeight& f, const PlaneBaseProblem& problem
             const Vector2d at = p + t * along;
             const auto jet = f(at);
             const double slope = std::abs(jet.gradient.dot(along));
-            least.add(jet.value, 0x1p-29 * slope + height_error(f, jet, at));
+            least.add(jet.value, 2 * (high - low) * slope + height_error(f, jet, at));
         }
     }
 }

@@ -81,6 +81,35 @@ AxisToBase axis_to_base(const Vec3& of_tube, const Vec3& of_base) {
                                                   : AxisToBase::Oblique;
 }
 
+// Where a plane with signs at the region's corners, that are not all of one kind, touches or cuts one of its
+// sides.
+Eigen::Vector2d place_of_contact(const HalfSpaceOverBase& h, const std::vector<ExactPoint>& corners,
+                                 const std::vector<Sign>& signs) {
+    const auto zero = std::ranges::find(signs, Sign::Zero);
+    if (zero != signs.end()) return corners[zero - signs.begin()].rounded();
+    const std::size_t k = std::ranges::adjacent_find(signs, std::not_equal_to<>()) - signs.begin();
+    const Eigen::Vector2d from = corners[k].rounded(), to = corners[k + 1].rounded();
+    const Eigen::Vector2d n(nearest(h.n.x), nearest(h.n.y));
+    const double g0 = n.dot(from) + nearest(h.d), g1 = n.dot(to) + nearest(h.d);
+    return from + std::clamp(g0 / (g0 - g1), 0.0, 1.0) * (to - from);
+}
+
+// Where the base is the floor sides of the box that lean out over it must not bound the region, along which
+// they and the base would be one function. No solid tube may be met in what comes to it.
+std::vector<RegionSide> region_in_vessels(const std::vector<RegionSide>& sides,
+                                          const std::array<BoxSide, 6>& box, double diagonal,
+                                          std::span<const CylinderTrace> solids) {
+    for (const double part : {0x1p-10, 0x1p-20, 0x1p-30}) {
+        std::vector<RegionSide> wide = widened(sides, box, part * diagonal);
+        const BaseRegion region(wide);
+        if (std::ranges::all_of(solids, [&](const CylinderTrace& trace) {
+                return region.lowest(trace, smallest_coefficient) == Sign::Positive;
+            }))
+            return wide;
+    }
+    return sides;
+}
+
 // ---- The problem ------------------------------------------------------------------------------------
 
 class ProblemBuilder {
@@ -127,7 +156,14 @@ public:
         const double by_lengths = moved_by_lengths(scene_);
         problem.moved = std::max(frame_->moved(), by_lengths);
         problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
-        problem.region = is_cut_by_vessel_ && !has_floor_ ? region_in_vessels() : sides_;
+        problem.region = sides_;
+        if (is_cut_by_vessel_ && !has_floor_) {
+            std::vector<CylinderTrace> solids;
+            objects_.for_kept(objects_.cylinders, [&](const CylinderForm&, std::uint32_t i) {
+                solids.push_back(trace_on_base(form_of(i)));
+            });
+            problem.region = region_in_vessels(sides_, box_, scene_.box.diagonal(), solids);
+        }
         if (!floor_.empty())
             problem.region_in_box = has_floor_ ? base_region(base_, scene_.box, box_) : sides_;
         problem.has_curved_rim = is_cut_by_vessel_;
@@ -141,7 +177,7 @@ public:
         for_tubes([&](std::uint32_t i) {
             if (!objects_.is_kept(i)) return;
             problem.family.cylinders.push_back(form_of(i));
-            problem.axes.push_back(axis_to_base(axis_of(i), base_.normal));
+            problem.axes.push_back(axis_to_base(tube_of(scene_.objects[i]).axis, base_.normal));
         });
         problem.on_one_normal = [sources = sources_, normal = base_.normal](FormId f, FormId g) {
             return are_on_one_normal((*sources)[f], (*sources)[g], normal);
@@ -240,17 +276,7 @@ private:
         if (differs != signs.end() || zero != signs.end()) {
             const bool cuts = std::count(signs.begin(), signs.end(), Sign::Positive) > 0 &&
                               std::count(signs.begin(), signs.end(), Sign::Negative) > 0;
-            Eigen::Vector2d place;
-            if (zero != signs.end()) {
-                place = corners[zero - signs.begin()].rounded();
-            } else {
-                const std::size_t k = differs - signs.begin();
-                const Eigen::Vector2d from = corners[k].rounded(), to = corners[k + 1].rounded();
-                const Eigen::Vector2d n(nearest(h.n.x), nearest(h.n.y));
-                const double g0 = n.dot(from) + nearest(h.d), g1 = n.dot(to) + nearest(h.d);
-                place = from + std::clamp(g0 / (g0 - g1), 0.0, 1.0) * (to - from);
-            }
-            fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place);
+            fail_touching(i, cuts ? Sign::Positive : Sign::Zero, place_of_contact(h, corners, signs));
         }
         if (signs.front() == Sign::Negative) {
             world = -world;
@@ -268,21 +294,6 @@ private:
         return world_corners_;
     }
 
-    // Where the base is the floor sides of the box that lean out over it must not bound the region, along
-    // which they and the base would be one function. No tube may be met in what comes to it.
-    std::vector<RegionSide> region_in_vessels() const {
-        for (const double part : {0x1p-10, 0x1p-20, 0x1p-30}) {
-            std::vector<RegionSide> wide = widened(sides_, box_, part * scene_.box.diagonal());
-            const BaseRegion region(wide);
-            const auto is_clear = [&](std::uint32_t i) {
-                return !objects_.is_kept(i) ||
-                       region.lowest(trace_on_base(form_of(i)), smallest_coefficient) == Sign::Positive;
-            };
-            if (std::ranges::all_of(objects_.cylinders.objects, is_clear)) return wide;
-        }
-        return sides_;
-    }
-
     // Those that are hollow, too, in the order of objects.
     template <class Use>
     void for_tubes(Use&& use) const {
@@ -291,32 +302,8 @@ private:
                            std::back_inserter(all));
         for (const std::uint32_t i : all) use(i);
     }
-    const Vec3& axis_of(std::uint32_t tube) const {
-        const auto* hollow = std::get_if<HollowCylinder>(&scene_.objects[tube]);
-        return hollow != nullptr ? hollow->axis : std::get<Cylinder>(scene_.objects[tube]).axis;
-    }
-
-    // In canonical coordinates.
-    CylinderForm form_of(std::uint32_t object) const {
-        if (const auto* hollow = std::get_if<HollowCylinder>(&scene_.objects[object]))
-            return form_of({hollow->point, hollow->axis, -hollow->radius});
-        return form_of(std::get<Cylinder>(scene_.objects[object]));
-    }
-    CylinderForm form_of(const Cylinder& cylinder) const {
-        const Vec3 axis = scaled_axis(cylinder.axis), p = frame_->to_canonical(cylinder.point);
-        const ExactVector a = frame_->turned(axis);
-        const double d = nearest(frame_->norm());
-        CylinderForm form{p.x(),          p.y(), p.z(), nearest(a.x) / d, nearest(a.y) / d, nearest(a.z) / d,
-                          cylinder.radius};
-        if (!frame_->keeps(cylinder.point)) {
-            const ExactVector q = frame_->place(cylinder.point);
-            form.px = nearest(q.x) / d;
-            form.py = nearest(q.y) / d;
-            form.pz = nearest(q.z) / d;
-            form.exact = std::make_shared<const ExactCylinder>(ExactCylinder{
-                {q.x, q.y, q.z, a.x, a.y, a.z, frame_->norm() * cylinder.radius}, frame_->norm()});
-        }
-        return form;
+    CylinderForm form_of(std::uint32_t tube) const {
+        return placed_cylinder(*frame_, tube_of(scene_.objects[tube]));
     }
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
@@ -354,21 +341,13 @@ private:
         objects_.hollow_cylinders.add(world_form(vessel), i);
     }
 
-    // A side of the box hides what lies beyond a plane, where the base and its mirror image across that side
-    // are equally far: with x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the
-    // base leans that way.
     void drop_hidden() {
         std::vector<LinearForm> walls = objects_.half_spaces();
         std::vector<Site> of_walls;
         for (const std::uint32_t plane : objects_.planes.objects) of_walls.push_back(objects_.site(plane));
         for (const BoxSide& side : box_) {
             if (!(side.m.z() > 0)) continue;
-            const WorldSide world(scene_.box, side.index);
-            Vec3 mirrored = base_.normal;
-            mirrored[world.axis] = -mirrored[world.axis];
-            const Exact d = 2.0 * Exact(world.bound) * base_.normal[world.axis] -
-                            dot(ExactVector(base_.normal), ExactVector(base_.point));
-            walls.push_back({mirrored.x(), mirrored.y(), mirrored.z(), d});
+            walls.push_back(half_way_to_image(base_, WorldSide(scene_.box, side.index)));
             of_walls.push_back(Site::box_side(side.index));
         }
         objects_.drop_hidden_by_cylinders(walls, of_walls, {});

@@ -1,12 +1,17 @@
-// The heights of balls, planes and sides of the box over a plane base, as plane_base.hpp has them.
+// The heights of balls, planes, sides of the box and tubes over a plane base, as plane_base.hpp has them.
 #pragma once
 
 #include <array>
+#include <memory>
+#include <variant>
 
 #include "../../core/curves/circular_form.hpp"
 #include "../../core/numbers/exact.hpp"
+#include "../forms/cylinder_form.hpp"
 #include "../objects/exact_space.hpp"
 #include "canonical.hpp"
+#include "plane_frame.hpp"
+#include "world_objects.hpp"
 
 namespace vcell {
 
@@ -69,6 +74,42 @@ inline LinearForm plane_form(const HalfSpaceOverBase& h) {
     if (n.z.sign() != Sign::Positive) return {n.x, n.y, h.d, h.length - n.z};
     const Exact factor = h.length + n.z;
     return {factor * n.x, factor * n.y, factor * h.d, n.x * n.x + n.y * n.y};
+}
+
+// In canonical coordinates; the radius is below 0 of a hollow one.
+inline CylinderForm placed_cylinder(const PlaneFrame& frame, const Cylinder& cylinder) {
+    const Vec3 axis = scaled_axis(cylinder.axis), p = frame.to_canonical(cylinder.point);
+    const ExactVector a = frame.turned(axis);
+    const double d = nearest(frame.norm());
+    CylinderForm form{p.x(),          p.y(), p.z(), nearest(a.x) / d, nearest(a.y) / d, nearest(a.z) / d,
+                      cylinder.radius};
+    if (!frame.keeps(cylinder.point)) {
+        const ExactVector q = frame.place(cylinder.point);
+        form.px = nearest(q.x) / d;
+        form.py = nearest(q.y) / d;
+        form.pz = nearest(q.z) / d;
+        form.exact = std::make_shared<const ExactCylinder>(
+            ExactCylinder{{q.x, q.y, q.z, a.x, a.y, a.z, frame.norm() * cylinder.radius}, frame.norm()});
+    }
+    return form;
+}
+
+// A side of the box hides what lies beyond a plane, where the base and its mirror image across that side are
+// equally far: with x' = 2 bound - x for its coordinate, n.(p' - point) > 0 on the base's side if the base
+// leans that way.
+inline LinearForm half_way_to_image(const Plane& base, const WorldSide& side) {
+    Vec3 mirrored = base.normal;
+    mirrored[side.axis] = -mirrored[side.axis];
+    const Exact d = 2.0 * Exact(side.bound) * base.normal[side.axis] -
+                    dot(ExactVector(base.normal), ExactVector(base.point));
+    return {mirrored.x(), mirrored.y(), mirrored.z(), d};
+}
+
+// A tube, of a radius below 0 if it is hollow.
+inline Cylinder tube_of(const Object& object) {
+    const auto* hollow = std::get_if<HollowCylinder>(&object);
+    return hollow != nullptr ? Cylinder{hollow->point, hollow->axis, -hollow->radius}
+                             : std::get<Cylinder>(object);
 }
 
 }  // namespace vcell
