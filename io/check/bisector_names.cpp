@@ -32,6 +32,8 @@ const char* name_of_plane_and_tube(const Vec3& normal, const Vec3& axis) {
 std::vector<std::string> names_about(const Plane& base, const Object& o) {
     if (std::holds_alternative<Plane>(o)) return {"plane"};
     if (std::holds_alternative<Sphere>(o) || std::holds_alternative<HollowSphere>(o)) return {"paraboloid"};
+    if (const auto* vessel = std::get_if<HollowCylinder>(&o))
+        return {name_of_plane_and_tube(base.normal, vessel->axis)};
     return {name_of_plane_and_tube(base.normal, std::get<Cylinder>(o).axis)};
 }
 

@@ -220,9 +220,10 @@ Interval ExcessAlong::above_plane(const Surface& object) const {
     const Form a = squared_distance(object);
     const Interval distance = sqrt(a.range()) / w_;
     if (object.is_hollow) {
-        const Interval room = object.radius - clearance_, plain = room - distance, sum = room + distance;
-        if (!(sum.lower() > 0)) return plain;
+        // Towards a tip both vanish, and the weight may not blur either by more than its own share.
         const Form room_form = Form::combination<2>({{{-1.0, &base_}, {object.radius, &weight_}}});
+        const Interval room = room_form.range() / w_, plain = room - distance, sum = room + distance;
+        if (!(sum.lower() > 0)) return plain;
         return intersection((square(room_form) - a).range() / square(w_) / sum, plain);
     }
     const Interval reach = clearance_ + object.radius, plain = distance - reach, sum = distance + reach;

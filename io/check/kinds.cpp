@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "../../core/numbers/exact.hpp"
+#include "bisector_names.hpp"
 
 namespace vcell::check {
 namespace {
@@ -62,6 +63,17 @@ private:
         return {};
     }
 
+    /// In what a vessel's wall meets a base plane. A tube's rim may be written as what it is or as a spline;
+    /// where only exact arithmetic on the canonical scene knows that a tube is upright or level, it may be an
+    /// ellipse.
+    std::vector<CurveKind> kinds_on_base(const Site& wall) const {
+        using enum CurveKind;
+        if (std::holds_alternative<HollowSphere>(scene_.objects[wall.index])) return {Circle};
+        const std::string name = bisector_names(scene_, wall, geometry_.scale())[0];
+        if (name == "elliptic cone") return {Ellipse, Spline};
+        return {name == "circular cone" ? Circle : Line, Ellipse, Spline};
+    }
+
     /// [HE, Lemmas 1-3] Planes and box sides have linear heights, spheres paraboloids about the base's
     /// normal.
     std::vector<CurveKind> kinds_over_plane(std::size_t i) const {
@@ -69,7 +81,7 @@ private:
         const auto& sites = cell_.edges[i].sites;
         if (rim_[i]) {
             const Site& owner = sites[uses_[i][0].reversed];
-            if (rim_[i]->is_object()) return {Circle};  // of the wall and the base
+            if (rim_[i]->is_object()) return kinds_on_base(*rim_[i]);
             return is_linear(owner)          ? std::vector{Line}
                    : as_signed_sphere(owner) ? std::vector{Parabola}
                                              : std::vector<CurveKind>{};

@@ -185,20 +185,33 @@ Interval SceneGeometry::shadow() const {
     return sphere_ ? 4 * pi : 2 * pi * (stretch_[1] - stretch_[0]);
 }
 
-/// A hollow sphere leaves a disk of the base: regular polygons in it and about it take its place.
+SceneGeometry::WallDisk SceneGeometry::disk_of_wall(std::uint32_t wall) const {
+    const Object& vessel = scene_.objects[wall];
+    if (const auto* ball = std::get_if<HollowSphere>(&vessel)) {
+        const double h = height(ball->center);
+        return {Eigen::Matrix2d::Identity(), -chart(ball->center),
+                std::sqrt(std::max(0.0, (ball->radius - h) * (ball->radius + h)))};
+    }
+    const auto& tube = std::get<HollowCylinder>(vessel);
+    const Vec3 axis = tube.axis.normalized(), first = axis.unitOrthogonal();
+    Eigen::Matrix<double, 2, 3> across;
+    across << first.transpose(), axis.cross(first).transpose();
+    Eigen::Matrix2d linear;
+    linear << across * across_[0], across * across_[1];
+    return {linear, across * (origin_ - tube.point), tube.radius};
+}
+
+/// Regular polygons in the disk that a wall leaves and about it take its place.
 double SceneGeometry::area_within(bool is_outer) const {
     constexpr int sides = 256;
     std::vector<Vec2> region = region_;
     for (const std::uint32_t wall : walls_) {
-        const auto& ball = std::get<HollowSphere>(scene_.objects[wall]);
-        const Vec2 c = chart(ball.center);
-        const double h = height(ball.center),
-                     radius = std::sqrt(std::max(0.0, (ball.radius - h) * (ball.radius + h))) *
-                              (is_outer ? 1 : std::cos(std::numbers::pi / sides));
+        const WallDisk disk = disk_of_wall(wall);
+        const double reach = disk.radius * (is_outer ? 1 : std::cos(std::numbers::pi / sides));
         for (int k = 0; k < sides && !region.empty(); ++k) {
             const double turn = 2 * std::numbers::pi * k / sides;
             const Vec2 u(std::cos(turn), std::sin(turn));
-            region = cut(region, [&](const Vec2& q) { return radius - u.dot(q - c); });
+            region = cut(region, [&](const Vec2& q) { return reach - u.dot(disk(q)); });
         }
     }
     return area(region);
@@ -238,7 +251,8 @@ void SceneGeometry::find_region() {
 
 void SceneGeometry::find_walls() {
     for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
-        if (!scene_.competes(i) || !std::holds_alternative<HollowSphere>(scene_.objects[i])) continue;
+        const Object& o = scene_.objects[i];
+        if (!scene_.competes(i) || !is_vessel(o) || std::holds_alternative<HollowCone>(o)) continue;
         const auto is_within = [&](const Vec2& q) {
             return distance_to(i, origin_ + q.x() * across_[0] + q.y() * across_[1]) > object_rounding_[i];
         };

@@ -109,6 +109,17 @@ private:
     Vec3 from_axis(const Vec3& p) const;  // sphere: from the centre
     void find_region();
     void find_walls();
+    /// A plane's places that a vessel's wall holds: a linear map takes them to a disk about 0. In a tube it
+    /// looks along the axis, so that the disk is one across it, and that of a level tube is all on a line.
+    struct WallDisk {
+        Eigen::Matrix2d linear;
+        Vec2 of_origin;
+        double radius;
+
+        Vec2 operator()(const Vec2& q) const { return linear * q + of_origin; }
+    };
+    /// Pre: no cone's.
+    WallDisk disk_of_wall(std::uint32_t wall) const;
     double area_within(bool is_outer) const;
     void find_stretch();
     double speed(std::uint32_t side, const Vec3& direction) const;

@@ -288,9 +288,11 @@ Shadow over_plane(const Equation& equation, std::span<const Triad<double>> corne
                               MidRad(1.0) / square(k)};
         }
         default: {
-            // Their cone's apex is where the axis comes as far below the plane as the radius.
+            // Their cone's apex is where the axis comes as far below the plane as the radius, and that of the
+            // inside of a tube as far above it, in the midst of the face perhaps: there only what is told
+            // from the apex on is smooth.
             if (const auto ruled = ruled_height(equation, corners)) return *ruled;
-            constexpr double least_slope = 0x1p-5;
+            const double least_slope = equation.is_hollow ? 0 : 0x1p-5;
             const MidRad slope = equation.d[2];
             if (slope.lower() > least_slope || slope.upper() < -least_slope) {
                 const MidRad run = (-equation.delta - equation.c[2]) / slope;

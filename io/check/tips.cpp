@@ -6,6 +6,28 @@
 
 namespace vcell::check {
 
+namespace {
+
+// Any point of a tube's axis will do, and one near the base leaves most digits.
+Vector<Interval> near_base(const Surface<Interval>& base, const Surface<Interval>& vessel) {
+    const Vector<Interval>& w = vessel.direction;
+    return vessel.is_cone ? vessel.point : vessel.point + dot(base.point - vessel.point, w) * w;
+}
+
+// A point k along the axis w from its point or apex is at the height h + k n w over the plane, which is to be
+// S k + R.
+std::vector<Tip> tip_over_plane(const Surface<Interval>& base, const Surface<Interval>& vessel) {
+    const Vector<Interval>& w = vessel.direction;
+    const Vector<Interval> point = near_base(base, vessel);
+    const Interval rise = dot(base.direction, w) - vessel.sine;
+    if (rise.contains(0)) return {};
+    const Interval k = (vessel.radius - base.distance(point)) / rise, reach = vessel.sine * k + vessel.radius;
+    if (reach.upper() < 0) return {};
+    return {{point + k * w, reach}};
+}
+
+}  // namespace
+
 // A point k along the axis w from its point or apex is q + k a from the base's centre, or across the base's
 // axis, and is to be S k + rho away from there, rho the sum of the radii: (a^2 - S^2) k^2 + 2 (q a - S rho) k
 // + q^2 - rho^2 = 0.
@@ -13,14 +35,13 @@ std::vector<Tip> tips_of(const Space<Interval>& space, const Object& object) {
     if (!std::holds_alternative<HollowCylinder>(object) && !std::holds_alternative<HollowCone>(object))
         return {};
     const Surface<Interval>&base = space.base(), vessel(object);
+    if (base.kind == Surface<Interval>::Kind::plane) return tip_over_plane(base, vessel);
     const auto across = [&](const Vector<Interval>& v) {
         if (base.kind == Surface<Interval>::Kind::sphere) return v;
         return v - dot(v, base.direction) * base.direction;
     };
     const Vector<Interval>& w = vessel.direction;
-    Vector<Interval> point = vessel.point;
-    // Any point of a tube's axis will do, and one near the base leaves most digits.
-    if (!vessel.is_cone) point = point + dot(base.point - point, w) * w;
+    const Vector<Interval> point = near_base(base, vessel);
     const Vector<Interval> q = across(point - base.point), a = across(w);
     const Interval zero(0.0), rho = vessel.radius + base.radius, squared = square(a) - square(vessel.sine),
                               half = dot(q, a) - vessel.sine * rho, rest = square(q) - square(rho),

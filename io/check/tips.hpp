@@ -8,15 +8,15 @@
 
 namespace vcell::check {
 
-/// A point of a vessel's axis that is as far from a base ball or tube as from the vessel's wall.
+/// A point of a vessel's axis that is as far from the base as from the vessel's wall.
 struct Tip {
     Vector<Interval> p;
-    Interval reach;  ///< from the base's centre or axis
+    Interval reach;  ///< from the base's plane, centre or axis
 };
 
 /// The tips there may be, nearer to the apex or lower along the axis first; none where there certainly is
-/// none, and none of other objects. Where the axis leans from the base's as much as the wall does, those that
-/// cannot be told are left out.
+/// none, and none of other objects. Over a plane there is one at most. Where the axis leans from the base's
+/// as much as the wall does, those that cannot be told are left out: over a plane those of level tubes.
 std::vector<Tip> tips_of(const Space<Interval>& space, const Object& vessel);
 
 /// How far any point of a box is from the tip that is nearest to all of them, at most; infinite without tips.

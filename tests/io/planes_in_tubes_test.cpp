@@ -1,0 +1,398 @@
+/// Cells of planes in hollow tubes: what the check knows of their walled_regions and tips, their files, what
+/// certify() says of them, their meshes and solids.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../../envelope/voronoi_cell.hpp"
+#include "../../io/check/check.hpp"
+#include "../../io/check/scene.hpp"
+#include "../../io/check/tips.hpp"
+#include "../../io/files/cell_file.hpp"
+#include "../../io/pictures/svg.hpp"
+#include "../envelope/vessel_oracle.hpp"
+#include "closed_meshes.hpp"
+#include "listing.hpp"
+#include "stored_diagrams.hpp"
+
+namespace vcell {
+namespace {
+
+constexpr double half_turn = std::numbers::pi;
+const Plane ground{{0, 0, 0}, {0, 0, 1}};
+
+Scene floor_in(const Plane& base, std::vector<Object> objects) {
+    Scene scene;
+    scene.base = base;
+    scene.objects = std::move(objects);
+    scene.box = {{-2, -2, -2}, {2, 2, 2}};
+    return scene;
+}
+
+// A tube with its axis through a point, and what a floor has in it where nothing else is.
+struct Vessel {
+    HollowCylinder tube;
+    double base_area, volume, area, highest;
+    CurveKind rim;
+    const char* bisector;
+};
+
+// The bisector over the rim of an upright or leaning tube is a cone whose tip is as high as the radius, 1,
+// and all generators of it rise to the tip. Over the rim of a level tube along the box it is the arch of a
+// parabola, ((1 - h^2) - y^2) / (2 (1 - h)) high where h is the axis' height.
+std::vector<Vessel> lone_vessels() {
+    const double lean = 0.8, height = 0.5, half_width = std::sqrt(1 - height * height);
+    // Of a parabola y^2 / (2 p) between -w and w.
+    const double p = 1 - height, w = half_width,
+                 arch = w * std::sqrt(1 + w * w / (p * p)) + p * std::asinh(w / p);
+    // The normals of the leaning cone are across its generators, along n - (0, 0, 1) with n from the axis.
+    double steepness = 0;
+    constexpr int steps = 4096;
+    for (int i = 0; i < steps; ++i) {
+        // Of a point of the rim by its angle about the axis: the face over a sector from the tip's foot,
+        // which is the ellipse's focus.
+        const double turn = 2 * half_turn * (i + 0.5) / steps;
+        const Vec3 n(lean * std::cos(turn), std::sin(turn), -0.6 * std::cos(turn));
+        const Vec3 rim(std::cos(turn) / lean, std::sin(turn), 0),
+            along(-std::sin(turn) / lean, std::cos(turn), 0), foot(0.75, 0, 0);
+        const Vec3 normal = -n - Vec3::UnitZ();
+        steepness += 0.5 * (rim - foot).cross(along).z() * normal.norm() / std::abs(normal.z()) * 2 *
+                     half_turn / steps;
+    }
+    return {{{{0.25, 0.125, -3}, {0, 0, 2}, 1},
+             half_turn,
+             half_turn / 3,
+             std::sqrt(2) * half_turn,
+             1,
+             CurveKind::Circle,
+             "circular cone"},
+            {{{-0.5, 0.25, 0}, {0.75, 0, 1}, 1},
+             half_turn / lean,
+             half_turn / lean / 3,
+             steepness,
+             1,
+             CurveKind::Ellipse,
+             "elliptic cone"},
+            {{{0.5, 0.25, height}, {-1, 0, 0}, 1},
+             8 * half_width,
+             8 * w * w * w / (3 * p),
+             4 * arch,
+             0.5 * (1 + height),
+             CurveKind::Line,
+             "parabolic cylinder"}};
+}
+
+// ---- What the check knows by itself ---------------------------------------------------------------------
+
+struct WalledRegion {
+    Plane base;
+    std::vector<Object> walls;
+    double area;
+};
+
+std::vector<WalledRegion> walled_regions() {
+    const auto strip = [](double height) { return 2 * std::sqrt(1 - height * height); };
+    const double slant = 4 - std::sqrt(0.5) * strip(0.5);
+    std::vector<WalledRegion> walled_regions{
+        {ground, {HollowCylinder{{1, 1, 0}, {1, 1, 0}, 1}}, 16 - std::pow(4 - std::sqrt(2), 2)},
+        {ground, {HollowCylinder{{0, 0, 0.5}, {1, 1, 0}, 1}}, 16 - slant * slant},
+        {ground,
+         {HollowCylinder{{0, 0, 0.5}, {1, 0, 0}, 1}, HollowCylinder{{0, 0, -0.25}, {0, 1, 0}, 1}},
+         strip(0.5) * strip(-0.25)},
+        {ground,
+         {HollowCylinder{{-0.5, 0, 0}, {0, 0, 1}, 1}, HollowSphere{{0.5, 0, 0.75}, 1.25}},
+         2 * half_turn / 3 - std::sqrt(0.75)},
+        {{{0, 0, 0.25}, {0.6, 0, 0.8}}, {HollowCylinder{{0.25, 0, 0}, {3, 0, 4}, 1}}, half_turn},
+        {{{0, 0, 0.25}, {0.6, 0, 0.8}}, {HollowCylinder{{0.25, 0, 0}, {0, 0, 4}, 1}}, half_turn / 0.8},
+    };
+    for (const Vessel& v : lone_vessels()) walled_regions.push_back({ground, {v.tube}, v.base_area});
+    return walled_regions;
+}
+
+}  // namespace
+
+TEST_CASE("planes in tubes: the region's area is enclosed by polygons in and about it") {
+    const std::vector<WalledRegion> all = walled_regions();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        CAPTURE(i);
+        const Scene scene = floor_in(all[i].base, all[i].walls);
+        const check::SceneGeometry geometry(scene);
+        CHECK(geometry.has_curved_rim());
+        const Interval area = geometry.shadow();
+        CHECK(area.lower() <= all[i].area + 1e-12);
+        CHECK(area.upper() >= all[i].area - 1e-12);
+        CHECK(area.width() < 5e-4 * all[i].area);
+    }
+    // One that holds all of the region leaves all of it.
+    const Scene scene = floor_in(ground, {HollowCylinder{{0.5, 0, 0}, {0.125, 0, 1}, 3.5}});
+    const check::SceneGeometry geometry(scene);
+    CHECK_FALSE(geometry.has_curved_rim());
+    CHECK(geometry.shadow().contains(16));
+}
+
+TEST_CASE("planes in tubes: a tip is where the axis is as high as the radius") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const auto vector = [&] { return Vec3(unit(rng), unit(rng), unit(rng)); };
+    for (int round = 0; round < 100; ++round) {
+        const HollowCylinder tube{vector(), vector(), 0.5 + 0.25 * unit(rng)};
+        const Scene scene = floor_in({vector(), vector()}, {tube});
+        const check::Space<Interval> space(scene);
+        const std::vector<check::Tip> tips = check::tips_of(space, tube);
+        REQUIRE(tips.size() == 1);
+        const Vec3 p = check::middle(tips[0].p), n = std::get<Plane>(scene.base).normal.normalized();
+        const double size = p.norm() + 1;
+        CHECK(check::radius(tips[0].p) < 1e-12 * size * size);
+        CHECK(n.dot(p - std::get<Plane>(scene.base).point) ==
+              doctest::Approx(tube.radius).epsilon(1e-12 * size * size));
+        CHECK(tube.axis.normalized().cross(p - tube.point).norm() < 1e-12 * size * size);
+        CHECK(tips[0].reach.contains(tube.radius));
+    }
+    const HollowCylinder level{{0, 0.5, 0.25}, {1, 2, 0}, 1};
+    const Scene scene = floor_in(ground, {level});
+    CHECK(check::tips_of(check::Space<Interval>(scene), level).empty());
+}
+
+// ---- Cells ----------------------------------------------------------------------------------------------
+
+namespace {
+
+// How high the cell is over a point of the base, by distances alone; none where there is none of it.
+std::optional<double> height_by_distances(const Scene& scene, const Vec3& foot, const Vec3& up) {
+    const auto is_in = [&](double t) {
+        const Vec3 p = foot + t * up;
+        return vessel_oracle::inside_box(scene.box, p) >= 0 &&
+               std::ranges::all_of(scene.objects,
+                                   [&](const Object& o) { return vessel_oracle::away(o, p) >= t; });
+    };
+    if (!is_in(0)) return std::nullopt;
+    double low = 0, high = scene.box.diagonal();
+    for (int i = 0; i < 45; ++i) (is_in(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    return low;
+}
+
+// By a rule of points on a square grid, which is off by about its step where the region ends.
+void check_by_distances(const Cell& cell) {
+    const Scene& scene = cell.scene;
+    const auto& base = std::get<Plane>(scene.base);
+    const Vec3 up = base.normal.normalized(), x = up.unitOrthogonal(), y = up.cross(x);
+    constexpr int rows = 160;
+    const double size = 0.5 * scene.box.diagonal(), step = 2 * size / rows;
+    const Vec3 middle = 0.5 * (scene.box.min + scene.box.max),
+               origin = middle - up.dot(middle - base.point) * up;
+    double volume_over = 0, base_area = 0, highest = 0;
+    for (int i = 0; i < rows; ++i)
+        for (int k = 0; k < rows; ++k) {
+            const Vec3 foot = origin + (-size + (i + 0.5) * step) * x + (-size + (k + 0.5) * step) * y;
+            const auto height = height_by_distances(scene, foot, up);
+            if (!height) continue;
+            volume_over += step * step * *height;
+            base_area += step * step;
+            highest = std::max(highest, *height);
+        }
+    const Measures& m = cell.measures;
+    CHECK(m.volume == doctest::Approx(volume_over).epsilon(0.015));
+    CHECK(m.base_area == doctest::Approx(base_area).epsilon(0.015));
+    CHECK(m.max_clearance >= highest - m.max_clearance_error - 1e-9);
+    CHECK(m.max_clearance == doctest::Approx(highest).epsilon(0.02));
+}
+
+void check_mesh(const Cell& cell) {
+    const CellMesh mesh = tessellate(cell, {std::nullopt, true});
+    CHECK(is_closed(mesh));
+    CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(0.02));
+    const Solid solid = solid_of(closed_shell(cell), cell.faces.size());
+    CHECK(solid.parts.size() == 1);
+    CHECK(solid.off < 1e-5);
+    // What is a tip is a corner of triangles.
+    const check::Space<Interval> space(cell.scene);
+    for (const CellFace& face : cell.faces) {
+        const auto trims = face.trims();
+        if (std::ranges::none_of(trims, [](const TrimCurve& c) { return c.is_tip(); })) continue;
+        const std::vector<check::Tip> tips = check::tips_of(space, cell.scene.objects[face.site.index]);
+        REQUIRE(tips.size() == 1);
+        const Vec3 tip = check::middle(tips[0].p);
+        CHECK(std::ranges::any_of(mesh.points, [&](const Vec3& p) { return (p - tip).norm() < 1e-9; }));
+    }
+    std::ostringstream picture;
+    write_svg(picture, cell);
+    CHECK(picture.str().find("nan") == std::string::npos);
+}
+
+bool has_tip(const Cell& cell) {
+    return std::ranges::any_of(cell.faces, [](const CellFace& face) {
+        return std::ranges::any_of(face.trims(), [](const TrimCurve& c) { return c.is_tip(); });
+    });
+}
+
+bool is_refuted_at(const Certificate& c, const std::string& where) {
+    return std::ranges::any_of(c.elements, [&](const Element& e) {
+        return e.verdict == Verdict::refuted && e.where.starts_with(where);
+    });
+}
+
+// Upright, leaning and level tubes with what else bounds cells; whether a face holds a tip.
+struct Furnished {
+    Scene scene;
+    bool has_tip;
+};
+
+std::vector<Furnished> furnished() {
+    const HollowCylinder silo{{0.25, 0, 0}, {0, 0, 1}, 1.25}, leaning{{0, 0, 0}, {0.25, -0.125, 1}, 1.25},
+        pipe{{0, 0, 0.375}, {1, 0.25, 0}, 1.25};
+    const Sphere ball{{0.875, 0.25, 0.5}, 0.25}, other{{-0.5, 0.125, 0.5}, 0.25},
+        under_tip{{0.25, 0, 0.75}, 0.25};
+    const Plane lid{{0, 0, 1}, {0.25, 0, 1}};
+    const Cylinder rod{{0, 0.5, 0.5}, {1, 0.5, 0.125}, 0.125};
+    const Plane slope{{0, 0, 0.125}, {0.125, 0.25, 1}};
+    return {
+        {floor_in(ground, {silo, ball}), true},
+        {floor_in(ground, {silo, ball, other, under_tip}), false},
+        {floor_in(ground, {silo, lid}), false},
+        {floor_in(ground, {leaning, ball, other}), true},
+        {floor_in(ground, {pipe, ball, lid}), false},
+        {floor_in(slope, {silo, ball}), true},
+        {floor_in(slope, {leaning, other, Sphere{{0.5, -0.5, 1}, 0.25}}), true},
+        {floor_in(ground, {silo, HollowCylinder{{-0.25, 0.125, 0}, {0.125, 0, 1}, 1.25}}), true},
+        {floor_in(ground, {silo, pipe, ball}), false},
+        {floor_in(ground, {leaning, HollowSphere{{-0.25, 0, 0.25}, 1.25}, ball}), false},
+        {floor_in(ground, {silo, rod}), false},
+    };
+}
+
+}  // namespace
+
+TEST_CASE("planes in tubes: alone a floor has a cone or an arch, as large as it is by hand") {
+    for (const Vessel& v : lone_vessels()) {
+        CAPTURE(v.bisector);
+        const Cell cell = voronoi_cell(floor_in(ground, {v.tube}));
+        const Measures& m = cell.measures;
+        const auto check = [](double value, double error, double truth) {
+            CHECK(std::abs(value - truth) <= error + 1e-14);
+            CHECK(error < 1e-6);
+        };
+        check(m.base_area, m.base_area_error, v.base_area);
+        check(m.volume, m.volume_error, v.volume);
+        check(m.area, m.area_error, v.area);
+        check(m.max_clearance, m.max_clearance_error, v.highest);
+        check(m.min_clearance, m.min_clearance_error, 0);
+        REQUIRE(cell.faces[0].site == Site::object(0));
+        CHECK(cell.faces[0].bisector == v.bisector);
+        CHECK(has_tip(cell) == (v.rim != CurveKind::Line));
+        const auto rim =
+            std::ranges::find_if(cell.edges, [](const CellEdge& e) { return e.sites[0] == e.sites[1]; });
+        REQUIRE(rim != cell.edges.end());
+        CHECK((rim->kind == v.rim || rim->kind == CurveKind::Spline));
+
+        std::stringstream file;
+        write_cell(file, cell);
+        const Certificate good = certify(parse_cell(file.str()));
+        CHECK_MESSAGE(good.holds(), listing(good));
+        check_mesh(cell);
+    }
+}
+
+TEST_CASE("planes in tubes: cells among balls, planes, tubes and other vessels are certified and closed") {
+    const std::vector<Furnished> all = furnished();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        CAPTURE(i);
+        const Cell cell = voronoi_cell(all[i].scene);
+        check_by_distances(cell);
+        CHECK(has_tip(cell) == all[i].has_tip);
+        std::stringstream file;
+        write_cell(file, cell);
+        const Certificate good = certify(parse_cell(file.str()));
+        CHECK_MESSAGE(good.holds(), listing(good));
+        check_mesh(cell);
+    }
+}
+
+TEST_CASE("planes in tubes: complete cells of floors that lean are certified") {
+    CellOptions options;
+    options.complete = true;
+    Scene scene = furnished()[5].scene;
+    scene.box.min.z() = -0.25;
+    const Cell cell = voronoi_cell(scene, options);
+    CHECK(cell.is_complete);
+    const Certificate good = certify(cell);
+    CHECK_MESSAGE(good.count(Verdict::refuted) == 0, listing(good));
+}
+
+TEST_CASE("planes in tubes: damage is refuted") {
+    const Cell cell = voronoi_cell(furnished()[0].scene);
+    const auto expect = [&](const std::string& where, const std::function<void(Cell&)>& damage) {
+        Cell bad = cell;
+        damage(bad);
+        const Certificate c = certify(bad, {50, 1, 4});
+        CHECK_MESSAGE(is_refuted_at(c, where), "expected ", where, ", found\n", listing(c));
+    };
+    const auto number_of = [](const auto& all, const auto& is_meant) {
+        const auto found = std::ranges::find_if(all, is_meant);
+        REQUIRE(found != all.end());
+        return static_cast<std::size_t>(found - all.begin());
+    };
+    const std::size_t rim = number_of(cell.edges, [](const CellEdge& e) { return e.sites[0] == e.sites[1]; });
+    const std::string at_rim = "edges[" + std::to_string(rim);
+    expect(at_rim, [&](Cell& bad) {
+        for (Eigen::Vector4d& p : bad.edges[rim].curve.points) p.x() = 0.25 + 0.999 * (p.x() - 0.25);
+    });
+    expect(at_rim, [&](Cell& bad) {
+        for (Eigen::Vector4d& p : bad.edges[rim].curve.points) p.z() += 1e-6;
+    });
+    expect(at_rim, [&](Cell& bad) { bad.edges[rim].kind = CurveKind::Parabola; });
+    // All of the wall is elsewhere than where the faces end, or leans.
+    const auto wall = [](Cell& bad) -> HollowCylinder& {
+        return std::get<HollowCylinder>(bad.scene.objects[0]);
+    };
+    expect(at_rim, [&](Cell& bad) { wall(bad).radius += 1e-6; });
+    expect(at_rim, [&](Cell& bad) { wall(bad).axis.x() = 1e-3; });
+    expect("measures.base_area", [](Cell& bad) { bad.measures.base_area *= 1 + 1e-5; });
+    expect("measures.volume", [](Cell& bad) { bad.measures.volume *= 1 + 1e-5; });
+    expect("measures.area", [](Cell& bad) { bad.measures.area *= 1 - 1e-5; });
+    expect("measures.max_clearance", [](Cell& bad) { bad.measures.max_clearance *= 0.999; });
+    expect("measures.max_clearance", [](Cell& bad) { bad.measures.max_clearance *= 1.001; });
+    expect("measures.min_clearance", [](Cell& bad) { bad.measures.min_clearance = 1e-6; });
+    expect("measures.touches_box", [](Cell& bad) { bad.measures.touches_box = true; });
+
+    // The face about the tip: what is not on the bisector there, and one of its parts missing.
+    const std::size_t face =
+        number_of(cell.faces, [](const CellFace& f) { return f.site == Site::object(0); });
+    const std::string at_face = "faces[" + std::to_string(face);
+    const auto is_at_tip = [](const Eigen::Vector4d& p) {
+        return (p.head<3>() - Vec3(0.25, 0, 1.25)).norm() < 1e-9;
+    };
+    const std::size_t patch = number_of(cell.faces[face].patches, [&](const TrimmedPatch& p) {
+        return std::ranges::any_of(p.surface.points, is_at_tip);
+    });
+    const auto points_of = [&](Cell & bad) -> auto& { return bad.faces[face].patches[patch].surface.points; };
+    const std::size_t tip = number_of(cell.faces[face].patches[patch].surface.points, is_at_tip);
+    expect(at_face, [&](Cell& bad) { points_of(bad)[tip].z() += 1e-3; });
+    expect(at_face, [&](Cell& bad) {
+        for (Eigen::Vector4d& p : points_of(bad)) p.z() += 1e-5;
+    });
+    expect("", [&](Cell& bad) { bad.faces[face].patches.pop_back(); });
+    expect(at_face, [&](Cell& bad) { bad.faces[face].bisector = "elliptic cone"; });
+    // A ball in the midst of it.
+    expect(at_face, [](Cell& bad) { bad.scene.objects.push_back(Sphere{{0.25, 0, 1}, 0.25}); });
+}
+
+TEST_CASE("planes in tubes: a diagram of balls over a floor in a silo is proved") {
+    DiagramScene scene;
+    scene.objects = {Plane{{0, 0, -0.5}, {0.25, 0, 1}}, HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1.5},
+                     Sphere{{0.25, 0, 0.5}, 0.375}, Sphere{{-0.5, 0.25, 0.25}, 0.25}};
+    scene.box = {Vec3::Constant(-1.75), Vec3::Constant(1.75)};
+    const StoredDiagram diagram = stored(scene, true);
+    CHECK(std::ranges::count_if(diagram.cells, [](const auto& c) { return c.first == 0; }) == 2);
+    check_proved(certify(diagram));
+}
+
+}  // namespace vcell
