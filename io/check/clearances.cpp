@@ -170,7 +170,8 @@ Nearest nearest_in_vessel(const Scene& scene, const Site& site, const Frame& fra
     return {0.5 * (radius - distance - frame.radius()), true};
 }
 
-/// Is a point of an object's bisector in the box, and nothing else nearer to it? None: it may be.
+/// Is a point of an object's bisector over the region, in the box, and nothing else nearer to it? None: it
+/// may be.
 std::optional<bool> is_bounded(const Subject& subject, const Site& site, const Vector<Interval>& p) {
     const Scene& scene = subject.cell.scene;
     std::optional<bool> result = true;
@@ -178,7 +179,12 @@ std::optional<bool> is_bounded(const Subject& subject, const Site& site, const V
         if (excess.upper() < 0) result = false;
         if (!(excess.lower() > 0) && result == true) result = std::nullopt;
     };
-    for (std::uint32_t s = 0; s < 6; ++s) meet(subject.space.inside_side(s, p));
+    // The ways off a base plane start in the box, unless the cell is a complete one.
+    const bool starts_in_box = std::holds_alternative<Plane>(scene.base) && !subject.cell.is_complete;
+    for (std::uint32_t s = 0; s < 6; ++s) {
+        meet(subject.space.inside_side(s, p));
+        if (starts_in_box) meet(subject.space.excess({Site::box_side(s), true}, p));
+    }
     for (std::uint32_t end = 0; std::holds_alternative<Cylinder>(scene.base) && end < 2; ++end)
         meet(subject.space.inside_end(end, p));
     const Interval clearance = subject.space.clearance(p);

@@ -71,6 +71,23 @@ TEST_CASE("planes in vessels: cells survive their files, are certified and close
     }
 }
 
+// A top in the box was taken for the cell's, though the way to it begins beyond a side.
+TEST_CASE("planes in vessels: where the top's foot is beyond the box the cell is less high") {
+    Scene scene = over({{0, 0, 0}, {-0.75, 0, 1}}, {HollowSphere{{0.25, 0, 0.5}, 1.25}});
+    for (const double side : {0.3, 0.5}) {
+        CAPTURE(side);
+        scene.box.max.x() = side;
+        const Cell cell = voronoi_cell(scene);
+        CHECK((cell.measures.max_clearance < 0.749) == (side == 0.3));
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+        CellOptions options;
+        options.complete = true;
+        const Certificate complete = certify(voronoi_cell(scene, options));
+        CHECK_MESSAGE(complete.holds(), listing(complete));
+    }
+}
+
 TEST_CASE("planes in vessels: complete cells of planes that lean are certified") {
     CellOptions options;
     options.complete = true;
