@@ -252,6 +252,8 @@ private:
             std::vector<Site> sites(edge.sites.begin(), edge.sites.end());
             sites.insert(sites.end(), edge.extra_sites.begin(), edge.extra_sites.end());
             std::ranges::sort(sites);
+            // A site that is the rim, too, is on both sides.
+            sites.erase(std::ranges::unique(sites).begin(), sites.end());
             best_[which] = {p, error, c, 0, std::move(sites), {}, e, {}};
         }
     }

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "../../envelope/measures/clearance_places.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
 #include "../../io/files/cell_file.hpp"
+#include "../../io/solids/moments.hpp"
 #include "../../io/solids/shell.hpp"
 #include "closed_meshes.hpp"
 #include "listing.hpp"
@@ -57,7 +59,9 @@ TEST_CASE("planes in vessels: cells survive their files, are certified and close
     const std::vector<Scene> scenes = floors();
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         CAPTURE(i);
-        const Cell cell = voronoi_cell(scenes[i]);
+        Cell cell = voronoi_cell(scenes[i]);
+        cell.clearance_places = clearance_places(cell);
+        cell.moments = moments_of(cell);
         std::stringstream file;
         write_cell(file, cell);
         const Certificate good = certify(parse_cell(file.str()));
