@@ -215,15 +215,16 @@ private:
     };
     using Terms = SmallVector<Term, 8>;
 
-    // Only one face is beside an edge over the rim, and its side of the box comes second.
+    // An edge over the rim has a face on one side alone, in one patch or several, and its side of the box
+    // comes second.
     void find_equations() {
         is_rim_.assign(cell_.edges.size(), false);
         if (std::holds_alternative<Plane>(cell_.scene.base)) {
-            std::vector<int> trims(cell_.edges.size(), 0);
+            std::vector<std::array<bool, 2>> has_face(cell_.edges.size(), {false, false});
             for (const CellFace& face : cell_.faces)
                 for (const TrimCurve& trim : face.trims())
-                    if (trim.edge) ++trims[*trim.edge];
-            for (std::size_t i = 0; i < trims.size(); ++i) is_rim_[i] = trims[i] == 1;
+                    if (trim.edge) has_face[*trim.edge][trim.reversed ? 1 : 0] = true;
+            for (std::size_t i = 0; i < has_face.size(); ++i) is_rim_[i] = has_face[i][0] != has_face[i][1];
         }
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             const CellEdge& e = cell_.edges[i];
