@@ -17,6 +17,7 @@
 
 #include "../../primitives/bases/plane_base.hpp"
 #include "../files/text.hpp"
+#include "chart_loops.hpp"
 #include "contours.hpp"
 #include "labels.hpp"
 #include "site_style.hpp"
@@ -38,7 +39,7 @@ public:
 
     /// In the chart of a plane base.
     void draw() {
-        project_cylinder_faces();
+        loops_ = chart_loops(cell_);
         project_contours();
         const auto [low, high] = bounds();
         has_lengths_ = true;
@@ -119,39 +120,6 @@ private:
         buffer_.clear();
     }
 
-    // Patches over cylinders have parameters of their own: in the chart their trims are the projections of
-    // the edges' space curves, of which rational curves have exact ones.
-    void project_cylinder_faces() {
-        const auto is_tube = [&](Site s) {
-            return s.is_object() && std::holds_alternative<Cylinder>(cell_.scene.objects[s.index]);
-        };
-        std::optional<BaseFrame> frame;
-        for (const CellFace& face : cell_.faces) {
-            if (!is_tube(face.site)) continue;
-            if (!frame) frame = plane_base_problem(cell_.scene).frame;
-            for (const TrimCurve& c : face.trims())
-                if (c.edge) projected_[&c] = projection(c, cell_.edges[*c.edge].curve, *frame);
-        }
-    }
-
-    static TrimCurve projection(const TrimCurve& c, const RationalCurve3& space, const BaseFrame& frame) {
-        TrimCurve result{c.edge, c.seam, c.reversed, {space.degree, space.knots, {}}};
-        for (const Eigen::Vector4d& p : space.points) {
-            const Vec3 canonical = frame.to_canonical(p.head<3>());
-            result.curve.points.push_back({canonical.x(), canonical.y(), p.w()});
-        }
-        if (!c.reversed) return result;
-        std::reverse(result.curve.points.begin(), result.curve.points.end());
-        std::reverse(result.curve.knots.begin(), result.curve.knots.end());
-        for (double& k : result.curve.knots) k = space.domain_begin() + space.domain_end() - k;
-        return result;
-    }
-
-    const TrimCurve& in_chart(const TrimCurve& c) const {
-        const auto projected = projected_.find(&c);
-        return projected == projected_.end() ? c : projected->second;
-    }
-
     void project_contours() {
         if (contours_.empty()) return;
         const BaseFrame frame = plane_base_problem(cell_.scene).frame;
@@ -186,9 +154,9 @@ private:
 
     template <class F>
     void for_each_curve(F f) const {
-        for (const CellFace& face : cell_.faces)
-            for (const TrimCurve& c : face.trims())
-                if (!is_entered(cell_, face)) f(in_chart(c));
+        for (const std::vector<ChartLoop>& loops : loops_.of_faces)
+            for (const ChartLoop& loop : loops)
+                for (const TrimCurve* c : loop) f(*c);
     }
 
     std::array<Vec2, 2> bounds() const {
@@ -270,16 +238,14 @@ private:
     std::vector<std::vector<Vec2>> polygons(std::size_t index) const {
         constexpr int samples = 16;
         std::vector<std::vector<Vec2>> result;
-        for (const TrimmedPatch& patch : cell_.faces[index].patches)
-            for (const auto& loop : patch.loops) {
-                std::vector<Vec2>& polygon = result.emplace_back();
-                for (const TrimCurve& c : loop) {
-                    const RationalCurve2& curve = in_chart(c).curve;
-                    const double begin = curve.domain_begin(), end = curve.domain_end();
-                    for (int i = 0; i < samples; ++i)
-                        polygon.push_back(curve.evaluate(begin + (end - begin) * i / samples));
-                }
+        for (const ChartLoop& loop : loops_.of_faces[index]) {
+            std::vector<Vec2>& polygon = result.emplace_back();
+            for (const TrimCurve* c : loop) {
+                const double begin = c->curve.domain_begin(), end = c->curve.domain_end();
+                for (int i = 0; i < samples; ++i)
+                    polygon.push_back(c->curve.evaluate(begin + (end - begin) * i / samples));
             }
+        }
         return result;
     }
 
@@ -338,12 +304,11 @@ private:
 
     void face(std::size_t index) {
         std::string path;
-        for (const TrimmedPatch& patch : cell_.faces[index].patches)
-            for (const auto& loop : patch.loops) {
-                paths_.move_to(path, in_chart(loop.front()).curve);
-                for (const TrimCurve& c : loop) paths_.append(path, in_chart(c).curve);
-                path += 'Z';
-            }
+        for (const ChartLoop& loop : loops_.of_faces[index]) {
+            paths_.move_to(path, loop.front()->curve);
+            for (const TrimCurve* c : loop) paths_.append(path, c->curve);
+            path += 'Z';
+        }
         face(index, path);
     }
 
@@ -404,7 +369,7 @@ private:
     std::ostream& out_;
     const Cell& cell_;
     std::unordered_map<std::uint32_t, std::size_t> colours_;
-    std::unordered_map<const TrimCurve*, TrimCurve> projected_;  // of the faces of cylinders
+    ChartLoops loops_;
     std::string buffer_;
     const std::vector<double> levels_;
     const std::vector<Contour> contours_;
