@@ -249,6 +249,23 @@ TEST_CASE("clearance places: of random cells and of cells of every kind") {
     }
 }
 
+// A place over the rim is as far along the normal from where a side of the box meets the base, not from it.
+TEST_CASE("clearance places: over the rim of a plane that leans they are not refuted") {
+    Scene scene = scene_of(
+        Plane{{0, 0, 0}, {0.75, -0.125, 0.25}},
+        {Sphere{{-1.25, 0.5, 1.25}, 0.25}, Sphere{{0, 0.875, 0.625}, 0.25}, Sphere{{-1.5, 1, 0.25}, 0.25}},
+        2);
+    scene.probe = 0.75;
+    Cell cell = voronoi_cell(scene);
+    cell.clearance_places = clearance_places(cell);
+    const auto is_side = [](const Site& s) { return s.kind == Site::Kind::BoxSide; };
+    REQUIRE(std::ranges::any_of(cell.clearance_places->greatest.value().sites, is_side));
+    const Certificate right = certify(cell);
+    CHECK_MESSAGE(right.holds(), listing(right));
+    cell.clearance_places->greatest->point += 1e-3 * Vec3(0.125, 0.75, 0);
+    CHECK_FALSE(certify(cell).holds());
+}
+
 TEST_CASE("clearance places: are those of the file, and the check does not pass wrong ones") {
     for (const char* name : {"balls", "atom", "tubes over a plane", "tubes around a tube"}) {
         CAPTURE(name);
