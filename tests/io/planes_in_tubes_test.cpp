@@ -455,7 +455,7 @@ TEST_CASE("planes in tubes: complete cells of floors that lean are certified") {
     const Cell cell = voronoi_cell(scene, options);
     CHECK(cell.is_complete);
     const Certificate good = certify(cell);
-    CHECK_MESSAGE(good.count(Verdict::refuted) == 0, listing(good));
+    CHECK_MESSAGE(good.holds(), listing(good));
 }
 
 TEST_CASE("planes in tubes: damage is refuted") {
@@ -463,7 +463,7 @@ TEST_CASE("planes in tubes: damage is refuted") {
     const auto expect = [&](const std::string& where, const std::function<void(Cell&)>& damage) {
         Cell bad = cell;
         damage(bad);
-        const Certificate c = certify(bad);
+        const Certificate c = certify(bad, {50, 1, 8});
         CHECK_MESSAGE(is_refuted_at(c, where), "expected ", where, ", found\n", listing(c));
     };
     const auto number_of = [](const auto& all, const auto& is_meant) {
@@ -486,7 +486,7 @@ TEST_CASE("planes in tubes: damage is refuted") {
     };
     expect(at_rim, [&](Cell& bad) { wall(bad).radius += 1e-6; });
     expect(at_rim, [&](Cell& bad) { wall(bad).axis.x() = 1e-3; });
-    expect("measures.base_area", [](Cell& bad) { bad.measures.base_area *= 1 + 1e-5; });
+    expect("measures.base_area", [](Cell& bad) { bad.measures.base_area *= 1 + 1e-9; });
     expect("measures.volume", [](Cell& bad) { bad.measures.volume *= 1 + 1e-5; });
     expect("measures.area", [](Cell& bad) { bad.measures.area *= 1 - 1e-5; });
     expect("measures.max_clearance", [](Cell& bad) { bad.measures.max_clearance *= 0.999; });
