@@ -39,6 +39,12 @@ Exact apex_offset(const ExactCylinder& f, const SectionPlane& s) {
            (f.rho + f.pz) * (s.nx * f.ax + s.ny * f.ay);
 }
 
+// Does a plane run along an axis that is parallel to the base? What rounding leaves of its height when the
+// base turns does not count: the base itself does.
+bool is_along(const SectionPlane& s, const CylinderForm& form) {
+    return (s.nx * Exact(form.ax) + s.ny * Exact(form.ay)).sign() == Sign::Zero;
+}
+
 // A section that does not pass through the apex, of a cylinder whose axis lies so to the base.
 CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) {
     if (axis == AxisToBase::Parallel) f.az = Exact();
@@ -275,7 +281,8 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     const FormId f = diagram_.form_beside(e, side);
     const CylinderForm& form = problem.family.cylinder(f);
     const Section whole(form, sectors_->frame(face), *plane);
-    if (whole.through_apex()) {
+    const AxisToBase axis = problem.axes[f.value - problem.family.forms.size()];
+    if (whole.through_apex() || (axis == AxisToBase::Parallel && is_along(*plane, form))) {
         if (!curves_->has_ends(e)) return false;
         // A ruling of the cone, and of the other one too.
         kinds_[e] = CurveKind::Line;
@@ -284,8 +291,7 @@ bool MixedArcs::add_section(const PlaneBaseProblem& problem, EdgeId e) {
     }
     const std::vector<Vector4d> points = points_along(problem, e, *plane);
     if (points.empty()) return false;
-    kinds_[e] =
-        section_kind(exact_cylinder(form), problem.axes[f.value - problem.family.forms.size()], *plane);
+    kinds_[e] = section_kind(exact_cylinder(form), axis, *plane);
     curves_->set_conics(e, [&](std::vector<ConicSpan>& spans) {
         for (std::size_t i = 0; i + 1 < points.size(); ++i) {
             const Vector4d &from = points[i], &to = points[i + 1];
