@@ -157,9 +157,10 @@ std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin
         return ray(origin_ + (stretch_[0] + margin + unit(rng) * (length - 2 * margin)) * normal_ +
                    reach * around);
     }
-    if (region_.size() < 3) return std::nullopt;
-    Vec2 lo = region_[0], hi = region_[0];
-    for (const Vec2& p : region_) {
+    const std::vector<Vec2>& region = about_region_;
+    if (region.size() < 3) return std::nullopt;
+    Vec2 lo = region[0], hi = region[0];
+    for (const Vec2& p : region) {
         lo = lo.cwiseMin(p);
         hi = hi.cwiseMax(p);
     }
@@ -167,7 +168,7 @@ std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin
         const Vec2 q = random_point(rng, lo, hi);
         const Vec3 p = origin_ + q.x() * across_[0] + q.y() * across_[1];
         const auto is_within = [&](std::uint32_t wall) { return distance_to(wall, p) >= margin; };
-        if (within(region_, q, margin) && std::ranges::all_of(walls_, is_within)) return ray(p);
+        if (within(region, q, margin) && std::ranges::all_of(walls_, is_within)) return ray(p);
     }
     return std::nullopt;
 }
@@ -181,7 +182,7 @@ double SceneGeometry::base_area() const {
 
 Interval SceneGeometry::shadow() const {
     constexpr double pi = std::numbers::pi;
-    if (plane_) return {area_within(false), area_within(true)};
+    if (plane_) return {area(region_in_walls(false)), area(about_region_)};
     return sphere_ ? 4 * pi : 2 * pi * (stretch_[1] - stretch_[0]);
 }
 
@@ -202,7 +203,7 @@ SceneGeometry::WallDisk SceneGeometry::disk_of_wall(std::uint32_t wall) const {
 }
 
 /// Regular polygons in the disk that a wall leaves and about it take its place.
-double SceneGeometry::area_within(bool is_outer) const {
+std::vector<Vec2> SceneGeometry::region_in_walls(bool is_outer) const {
     constexpr int sides = 256;
     std::vector<Vec2> region = region_;
     for (const std::uint32_t wall : walls_) {
@@ -214,7 +215,7 @@ double SceneGeometry::area_within(bool is_outer) const {
             region = cut(region, [&](const Vec2& q) { return reach - u.dot(disk(q)); });
         }
     }
-    return area(region);
+    return region;
 }
 
 double SceneGeometry::distance_from_rim(const Site& s, const Vec3& p) const {
@@ -258,6 +259,7 @@ void SceneGeometry::find_walls() {
         };
         if (!std::ranges::all_of(region_, is_within)) walls_.push_back(i);
     }
+    about_region_ = region_in_walls(true);
 }
 
 /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle. Very

@@ -120,7 +120,7 @@ private:
     };
     /// Pre: no cone's.
     WallDisk disk_of_wall(std::uint32_t wall) const;
-    double area_within(bool is_outer) const;
+    std::vector<Vec2> region_in_walls(bool is_outer) const;
     void find_stretch();
     double speed(std::uint32_t side, const Vec3& direction) const;
     bool is_nearer(std::uint32_t i, const Vec3& p, double reach) const;
@@ -135,6 +135,7 @@ private:
     double radius_ = 0;                    // of the base
     std::vector<Vec2> region_;             // plane: a convex polygon, counter-clockwise
     std::vector<std::uint32_t> walls_;     // plane: vessels that do not hold all of it
+    std::vector<Vec2> about_region_;       // plane: a polygon about what they leave of it, like that
     std::array<double, 2> stretch_{0, 0};  // cylinder: along the axis, from origin_
     double scale_ = 0;
     std::vector<double> object_rounding_;
