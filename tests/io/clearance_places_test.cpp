@@ -253,7 +253,7 @@ TEST_CASE("clearance places: of random cells and of cells of every kind") {
 TEST_CASE("clearance places: over the rim of a plane that leans they are not refuted") {
     Scene scene = scene_of(
         Plane{{0, 0, 0}, {0.75, -0.125, 0.25}},
-        {Sphere{{-1.25, 0.5, 1.25}, 0.25}, Sphere{{0, 0.875, 0.625}, 0.25}, Sphere{{-1.5, 1, 0.25}, 0.25}},
+        {Sphere{{-1.25, 0.5, 1.25}, 0.25}, Sphere{{0.25, 0.875, 0.625}, 0.25}, Sphere{{-1.5, 1, 0.25}, 0.25}},
         2);
     scene.probe = 0.75;
     Cell cell = voronoi_cell(scene);

@@ -303,12 +303,13 @@ void check_picture(const Cell& cell) {
     };
     CHECK(count("class=\"face") == cell.faces.size());
     CHECK(count("class=\"edge") == cell.edges.size());
-    // Edges on the base, and those over it along the box.
-    const auto is_rim = [](const CellEdge& e) {
-        return e.sites[0] == e.sites[1] ||
-               std::ranges::any_of(e.sites, [](const Site& s) { return !s.is_object(); });
-    };
-    CHECK(count("class=\"edge rim") == static_cast<std::size_t>(std::ranges::count_if(cell.edges, is_rim)));
+    // A rim has a face on one side alone.
+    std::vector<std::array<bool, 2>> sides(cell.edges.size(), {false, false});
+    for (const CellFace& face : cell.faces)
+        for (const TrimCurve& c : face.trims())
+            if (c.edge) sides[*c.edge][c.reversed ? 1 : 0] = true;
+    const auto is_rim = [](const std::array<bool, 2>& side) { return side[0] != side[1]; };
+    CHECK(count("class=\"edge rim") == static_cast<std::size_t>(std::ranges::count_if(sides, is_rim)));
 }
 
 // As wide as it is on a level base, with a hundredth of the larger extent on either side.
@@ -360,6 +361,7 @@ std::vector<Furnished> furnished() {
         {floor_in(ground, {pipe, ball, lid}), false},
         {floor_in(slope, {silo, on_slope}), true},
         {floor_in(slope, {leaning, other, Sphere{{0.5, -0.5, 1}, 0.25}}), false},
+        {floor_in(slope, {HollowCylinder{{0, 0, 0.375}, {1, -0.5, 0}, 1.25}, other}), false},
         {floor_in(ground, {silo, HollowCylinder{{-0.25, 0.125, 0}, {0.125, 0, 1}, 1.25}}), false},
         {floor_in(ground, {silo, pipe, ball}), false},
         {floor_in(ground, {leaning, HollowSphere{{-0.25, 0, 0.25}, 1.25}, ball}), false},
@@ -397,6 +399,13 @@ TEST_CASE("planes in tubes: cones around their tips that no lift has made are ce
         bad = cell;
         bad.faces[0].patches.pop_back();
         CHECK_FALSE(certify(bad).holds());
+        // However small the region is in the box, rays are found that start in it.
+        bad = cell;
+        bad.scene.box = {Vec3::Constant(-64), Vec3::Constant(64)};
+        bad.measures.volume *= 2;
+        const Certificate small = certify(bad);
+        CHECK(is_refuted_at(small, "measures.volume"));
+        CHECK_MESSAGE(!is_refuted_at(small, "scene.box"), listing(small));
     }
 }
 
