@@ -19,6 +19,8 @@ using std::numbers::pi;
 
 // A face that is seen under more from A has several patches.
 constexpr double widest_view = 2.5;
+// The mean of points around a face that is seen under no more is a middle as good as any.
+constexpr double narrow_view = 1;
 constexpr std::size_t sector_count = 3;
 
 double angle_of(const Vector2d& q) { return std::atan2(q.y(), q.x()); }
@@ -115,7 +117,7 @@ void CylinderSectors::add_face(const PlaneDiagram& of, const FaceLoops& loops, F
     const CylinderHeight height(form, mean);
     const Vector2d A = height.focus();
     const double steep = height.axis().z(),
-                 error = 64 * std::numeric_limits<double>::epsilon() * (A.norm() + height.reach()) / steep;
+                 error = 64 * std::numeric_limits<double>::epsilon() * (A.norm() + height.reach() / steep);
     loops.around(face, [&](EdgeId e, bool) {
         if (!may_pass(diagram_, e, A, error)) return;
         throw UndecidedError(
@@ -129,7 +131,9 @@ void CylinderSectors::add_face(const PlaneDiagram& of, const FaceLoops& loops, F
         return CylinderFrame(form, A + round.size * Vector2d(std::cos(angle), std::sin(angle)));
     };
     if (!round.is_closed && round.to - round.from <= widest_view) {
-        frames_[face] = frame_towards(0.5 * (round.from + round.to));
+        // From far away, where a tube is all but level, directions tell no place near the face.
+        frames_[face] = round.to - round.from <= narrow_view ? CylinderFrame(form, mean)
+                                                             : frame_towards(0.5 * (round.from + round.to));
         return;
     }
     const double start = radial::clear_angle(round.of_vertices, sector_count), width = 2 * pi / sector_count;

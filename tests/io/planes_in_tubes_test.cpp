@@ -456,6 +456,22 @@ TEST_CASE("planes in tubes: cells among balls, planes, tubes and other vessels a
     }
 }
 
+// The tip of what is all but a parabolic cylinder is as far away as the axis is level.
+TEST_CASE("planes in tubes: the less a tube leans from being level the farther away the tip is") {
+    const Vessel level = lone_vessels()[2];
+    for (const double lean : {0x1p-16, 0x1p-30, 0x1p-49, -0x1p-60}) {
+        CAPTURE(lean);
+        HollowCylinder tube = level.tube;
+        tube.axis.z() = lean;
+        const Cell cell = voronoi_cell(floor_in(ground, {tube}));
+        CHECK(cell.faces[0].bisector == std::string("elliptic cone"));
+        CHECK_FALSE(has_tip(cell));
+        CHECK(cell.measures.volume == doctest::Approx(level.volume).epsilon(4 * std::abs(lean) + 1e-12));
+        const Certificate good = certify(cell);
+        CHECK_MESSAGE(good.holds(), listing(good));
+    }
+}
+
 TEST_CASE("planes in tubes: complete cells of floors that lean are certified") {
     CellOptions options;
     options.complete = true;
