@@ -58,8 +58,8 @@ struct DiagramCell {
         Computed,
         Empty,      ///< the object lies in another one, or equals one of a lower number
         Undecided,  ///< digits or a budget were not enough
-        Wall,  ///< a vessel, or a plane among hollow cones: what is nearest to walls has no cell
-        Refused,  ///< the object cuts or touches another one in a way that leaves it without a cell
+        Wall,       ///< a vessel, or a plane among hollow cones: what is nearest to walls has no cell
+        Refused,    ///< the object cuts or touches another one in a way that leaves it without a cell
     };
 
     State state = State::Computed;

@@ -62,8 +62,8 @@ public:
         const MinimizationDiagram::Edge& edge = diagram_.edges[e];
         return !diagram_.is_circular(edge.left) || (!edge.on_rim() && !diagram_.is_circular(edge.right));
     }
-    /// Is a face beside the edge lifted? What is below the base on both sides, where rays do not reach, has no
-    /// curve.
+    /// Is a face beside the edge lifted? What is below the base on both sides, where rays do not reach, has
+    /// no curve.
     bool is_lifted(EdgeId e) const { return !curves_ || is_lifted_.empty() || is_lifted_[e]; }
     /// Pre: there are cylinders, here and below.
     const EdgeCurves& curves() const { return *curves_; }

@@ -25,6 +25,23 @@ constexpr int kEffortOfProofs = 14;
 /// Into which spans and the way to them are cut at most, where proofs are asked for.
 constexpr int kPartsOfProofs = 1 << 12;
 
+/// How long the stretch of a base cylinder is all of whose circles the box holds: 0 where there is none.
+Interval stretch_of_base(const Subject& subject) {
+    const auto length = [](const Space<Interval>& space) { return space.stretch()[1] - space.stretch()[0]; };
+    if (!subject.part) return length(subject.space);
+    const Scene& scene = subject.cell.scene;
+    const Space<Interval> whole(scene);
+    const Cylinder& base = std::get<Cylinder>(scene.base);
+    for (std::uint32_t s = 0; s < 6; ++s) {
+        const auto axis = static_cast<Eigen::Index>(s / 2);
+        if (base.axis[axis] == 0 &&
+            (s % 2 == 0 ? base.point[axis] <= scene.box.min[axis] : base.point[axis] >= scene.box.max[axis]))
+            return 0.0;
+    }
+    const Interval all = length(whole);
+    return {std::max(0.0, all.lower()), std::max(0.0, all.upper())};
+}
+
 class MeasuresRoom : public Room {
 public:
     MeasuresRoom(std::span<const Subject> subjects, std::span<const EdgeBound> edges, const TubeParts* slabs,
@@ -259,7 +276,7 @@ private:
             body = pi() * (4.0 / Interval(3.0)) * r * square(r);
             region = 4.0 * (pi() * square(r));
         } else if (geometry_.is_cylinder()) {
-            const Interval stretch = stretch_of_base(),
+            const Interval stretch = stretch_of_base(subject_),
                            length = hull(frame_.length(stretch.lower()), frame_.length(stretch.upper()));
             body = pi() * square(r) * length;
             region = 2.0 * (pi() * r * length);
@@ -280,24 +297,6 @@ private:
         else
             certificate_.prove("measures.touches_box");
         for (const Subject& subject : subjects_) judge_shadow(subject);
-    }
-
-    /// How long the stretch of a base cylinder is all of whose circles the box holds: 0 where there is none.
-    Interval stretch_of_base() const {
-        const auto length = [](const Space<Interval>& space) {
-            return space.stretch()[1] - space.stretch()[0];
-        };
-        if (!subject_.part) return length(subject_.space);
-        const Space<Interval> whole(scene_);
-        const Cylinder& base = std::get<Cylinder>(scene_.base);
-        for (std::uint32_t s = 0; s < 6; ++s) {
-            const auto axis = static_cast<Eigen::Index>(s / 2);
-            if (base.axis[axis] == 0 && (s % 2 == 0 ? base.point[axis] <= scene_.box.min[axis]
-                                                    : base.point[axis] >= scene_.box.max[axis]))
-                return 0.0;
-        }
-        const Interval all = length(whole);
-        return {std::max(0.0, all.lower()), std::max(0.0, all.upper())};
     }
 
     /// Edges are used once from either side, so that every base point that is on none lies under the same

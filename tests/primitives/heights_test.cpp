@@ -36,7 +36,8 @@ bool holds(const Interval& range, const Wide& value) {
 }
 
 // Sizes of any order, axes along the base and across it, and boxes from points to many radii.
-TEST_CASE("heights: those of solid and hollow cylinders over a plane hold their members', and over points are tight") {
+TEST_CASE(
+    "heights: those of solid and hollow cylinders over a plane hold their members', and over points are tight") {
     Samples samples;
     int bounded = 0, tight = 0;
     for (const double exponents : {0.0, 10.0, 300.0, 600.0})
