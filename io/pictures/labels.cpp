@@ -9,8 +9,10 @@ namespace vcell {
 
 namespace {
 
-// How far p is from the polygons' sides, less than nothing outside. Abscissas times `stretch`.
-double room(std::span<const std::vector<Vec2>> polygons, const Vec2& p, double stretch) {
+// How far p is from the polygons' sides, less than nothing outside. Abscissas times `stretch`. Where it is
+// less than `wanted`, any such number: most places are told by the first side that is near.
+double room(std::span<const std::vector<Vec2>> polygons, const Vec2& p, double stretch, double wanted = 0) {
+    const double enough = wanted > 0 ? wanted * wanted * (1 - 1e-12) : 0;
     bool is_inside = false;
     double square = INFINITY;
     for (const auto& polygon : polygons)
@@ -24,6 +26,7 @@ double room(std::span<const std::vector<Vec2>> polygons, const Vec2& p, double s
             const double length = along.squaredNorm(),
                          t = length > 0 ? std::clamp(-a.dot(along) / length, 0.0, 1.0) : 0.0;
             square = std::min(square, (a + t * along).squaredNorm());
+            if (square < enough) return std::sqrt(square);
         }
     return (is_inside ? 1 : -1) * std::sqrt(square);
 }
@@ -45,7 +48,7 @@ std::optional<Vec2> place_of_text(std::span<const std::vector<Vec2>> polygons, d
     Vec2 best = low + 0.5 * extent;
     double most = room(polygons, best, stretch);
     const auto look_at = [&](const Vec2& p) {
-        if (const double here = room(polygons, p, stretch); here > most) {
+        if (const double here = room(polygons, p, stretch, most); here > most) {
             most = here;
             best = p;
         }
