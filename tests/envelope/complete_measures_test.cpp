@@ -114,7 +114,7 @@ double check_tiling(const std::vector<Object>& objects, double most_bound) {
 
 TEST_CASE("complete measures: random oblique tubes tile their box") {
     std::mt19937_64 rng(test_seed());
-    const int tubes = rounds() > 1 ? 30 : 12;
+    const int tubes = rounds() > 1 ? 30 : 8;
     for (int i = 0; i < rounds(); ++i) CHECK(check_tiling(random_tubes(rng, tubes, 0.15), 1e-3) < 980);
 }
 

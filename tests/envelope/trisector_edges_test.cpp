@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <utility>
 
@@ -29,18 +30,29 @@ Nearest nearest(const RationalCurve3& curve, const Vec3& p) {
         return std::lerp(curve.domain_begin(), curve.domain_end(), std::clamp(i / samples, 0.0, 1.0));
     };
     const auto distance = [&](double t) { return (curve.evaluate(t) - p).norm(); };
-    const auto refined = [&](int best) -> Nearest {
+    const auto refined = [&](int best) -> Nearest {  // by golden sections
+        constexpr double part = 1 / std::numbers::phi;
         double low = at(best - 1), high = at(best + 1);
-        for (int step = 0; step < 90; ++step) {
-            const double a = std::lerp(low, high, 1 / 3.0), b = std::lerp(low, high, 2 / 3.0);
-            (distance(a) < distance(b) ? high : low) = distance(a) < distance(b) ? b : a;
-        }
+        double a = std::lerp(high, low, part), b = std::lerp(low, high, part);
+        double at_a = distance(a), at_b = distance(b);
+        for (int step = 0; step < 64; ++step)
+            if (at_a < at_b) {
+                high = std::exchange(b, a);
+                at_b = std::exchange(at_a, distance(a = std::lerp(high, low, part)));
+            } else {
+                low = std::exchange(a, b);
+                at_a = std::exchange(at_b, distance(b = std::lerp(low, high, part)));
+            }
         const double t = std::midpoint(low, high);
         return {distance(t), t};
     };
     int best = 0;
+    double least = distance(at(0));
     for (int i = 1; i <= samples; ++i)
-        if (distance(at(i)) < distance(at(best))) best = i;
+        if (const double here = distance(at(i)); here < least) {
+            least = here;
+            best = i;
+        }
     const Nearest found = refined(best);
     if (best != 0 && best != samples) return found;
     const Nearest other = refined(samples - best);

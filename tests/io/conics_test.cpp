@@ -54,12 +54,16 @@ std::array<Interval, 3> integrals(const Shadow& shadow, const std::vector<Ration
 /// The height at which a tube is as far as the plane z = 0 below it.
 double height_of_tube(const Cylinder& tube, double x, double y) {
     const Vec3 d = tube.axis.normalized();
-    const auto excess = [&](double z) {
-        return (Vec3(x, y, z) - tube.point).cross(d).norm() - tube.radius - z;
-    };
-    double lo = 0, hi = 64;
-    for (int k = 0; k < 80; ++k) (excess(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
-    return lo;
+    // The excess of the tube's distance falls with z and is convex: Newton's steps from below stay below.
+    double z = 0;
+    for (int k = 0; k < 80; ++k) {
+        const Vec3 away = (Vec3(x, y, z) - tube.point).cross(d);
+        const double distance = away.norm(), excess = distance - tube.radius - z,
+                     slope = away.dot(Vec3::UnitZ().cross(d)) / distance - 1, next = z - excess / slope;
+        if (!(next > z)) break;
+        z = next;
+    }
+    return z;
 }
 
 /// Sums over the cells of a grid on a parallelogram, of heights, of the bisector's area and of the plane's.

@@ -287,9 +287,9 @@ TEST_CASE("scene file: mistakes in plain balls name the line, or the option") {
           "--base-plane: is for files of balls, this scene is JSON");
 }
 
-TEST_CASE("scene file: a million spheres") {
+TEST_CASE("scene file: hundreds of thousands of spheres") {
     std::string text = R"({"vcell":1,"base":{"plane":{"point":[0,0,0],"normal":[0,0,1]}},"objects":[)";
-    constexpr int n = 1'000'000;
+    const int n = rounds() > 1 ? 1'000'000 : 250'000;
     for (int i = 0; i < n; ++i) {
         if (i > 0) text += ',';
         text += R"({"sphere":{"center":[)" + std::to_string(i % 1000) + "." + std::to_string(i) + "," +
@@ -297,8 +297,8 @@ TEST_CASE("scene file: a million spheres") {
     }
     text += R"(],"box":{"min":[0,0,0],"max":[1000,1000,9]}})";
     const Scene scene = parse_scene(text);
-    REQUIRE(scene.objects.size() == n);
-    CHECK(std::get<Sphere>(scene.objects.back()).center == Vec3(999.999999, 999.25, 1.5));
+    REQUIRE(scene.objects.size() == static_cast<std::size_t>(n));
+    CHECK(std::get<Sphere>(scene.objects[249'999]).center == Vec3(999.249999, 249.25, 1.5));
     CHECK(scene.names.empty());
 }
 

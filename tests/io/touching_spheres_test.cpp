@@ -22,8 +22,9 @@ using Point = Eigen::Matrix<Real, 3, 1>;
 Point point(const Net& net, Real s, Real t) {
     const int m = net.degree_s(), n = net.degree_t();
     const auto bernstein = [](int degree, int i, Real x) {
-        return static_cast<Real>(binomial(degree, i)) * std::pow(x, static_cast<Real>(i)) *
-               std::pow(1 - x, static_cast<Real>(degree - i));
+        auto product = static_cast<Real>(binomial(degree, i));
+        for (int k = 0; k < degree; ++k) product *= k < i ? x : 1 - x;
+        return product;
     };
     Eigen::Matrix<Real, 4, 1> sum = Eigen::Matrix<Real, 4, 1>::Zero();
     for (int i = 0; i <= m; ++i)
