@@ -313,16 +313,24 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(cells[2][3] == "refused");
     CHECK(cells[3][3] == "computed");
     // Ten objects are named where many have no cells.
-    std::string crossing = R"({"vcell": 1, "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "objects": [)";
-    for (int i = 0; i < 12; ++i)
-        crossing += (i > 0 ? "," : "") + std::string(R"({"cylinder": {"point": [0, 0, 0], "axis": [)") +
+    const auto crossing = [](int count) {
+        std::string text = R"({"vcell": 1, "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "objects": [)";
+        for (int i = 0; i < count; ++i)
+            text += (i > 0 ? "," : "") + std::string(R"({"cylinder": {"point": [0, 0, 0], "axis": [)") +
                     std::to_string(i + 1) + R"(, 7, 5], "radius": 0.1}})";
-    work.write("crossing.json", crossing + "]}");
-    const Outcome fibres = work.run("diagram crossing.json --bodies");
+        return text + "]}";
+    };
+    work.write("crossing.json", crossing(12));
+    const Outcome fibres = work.run("diagram crossing.json");
     CHECK(fibres.status == 3);
     CHECK(std::count(fibres.err.begin(), fibres.err.end(), '\n') == 11);
     CHECK(fibres.err.find("12 objects have no cells, ") != std::string::npos);
-    CHECK(table(fibres.out)[1][0] == "0");
+    // The bodies' volume is told all the same.
+    work.write("few.json", crossing(3));
+    const Outcome few = work.run("diagram few.json --bodies");
+    CHECK(few.status == 3);
+    CHECK(std::count(few.err.begin(), few.err.end(), '\n') == 3);
+    CHECK(table(few.out)[1][0] == "0");
 }
 
 TEST_CASE("program: diagram with a probe tells the accessible surface and the contacts within its reach") {

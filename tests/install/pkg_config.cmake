@@ -1,5 +1,5 @@
-# Compiles and runs the example of vcell::io with the flags that pkg-config gives. Headers that no umbrella header
-# includes are not there.
+# Links and runs the example of vcell::io with the flags that pkg-config gives. Its object is that of find_package.cmake,
+# in CONSUMER: the flags to compile with are the same. Headers that no umbrella header includes are not there.
 include(${CMAKE_CURRENT_LIST_DIR}/run_example.cmake)
 find_program(PKG_CONFIG pkg-config REQUIRED)
 set(ENV{PKG_CONFIG_PATH} ${PREFIX}/${LIBDIR}/pkgconfig)
@@ -17,7 +17,45 @@ function(compile source)
   execute_process(COMMAND ${COMPILER} -std=c++20 ${FLAGS} ${source} ${usage} ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 flags_of(vcell-io usage)
-compile(${EXAMPLES}/scene_to_files.cpp -o ${BUILD}/scene_to_files)
+
+# What changes the meaning of code, of a list of flags: folders of headers, definitions and -f options. Boost's own
+# definition is about linking on Windows, and says nothing elsewhere.
+function(meaning_of flags into)
+  list(JOIN flags " " text)
+  string(REGEX REPLACE "-isystem " "-I" text "${text}")
+  separate_arguments(flags UNIX_COMMAND "${text}")
+  set(meaning)
+  foreach(flag IN LISTS flags)
+    if(flag MATCHES "^-I(.*)")
+      file(REAL_PATH "${CMAKE_MATCH_1}" folder)
+      list(APPEND meaning -I${folder})
+    elseif(flag MATCHES "^-[Df]" AND NOT flag STREQUAL "-DBOOST_ALL_NO_LIB")
+      list(APPEND meaning ${flag})
+    endif()
+  endforeach()
+  list(SORT meaning)
+  list(REMOVE_DUPLICATES meaning)
+  set(${into} ${meaning} PARENT_SCOPE)
+endfunction()
+
+file(READ ${CONSUMER}/compile_commands.json commands)
+string(JSON count LENGTH "${commands}")
+math(EXPR last "${count} - 1")
+foreach(i RANGE ${last})
+  string(JSON file GET "${commands}" ${i} file)
+  if(file MATCHES "scene_to_files.cpp$")
+    string(JSON command GET "${commands}" ${i} command)
+  endif()
+endforeach()
+string(REGEX MATCH " -o ([^ ]+)" output "${command}")
+set(object ${CONSUMER}/${CMAKE_MATCH_1})
+separate_arguments(command UNIX_COMMAND "${command}")
+meaning_of("${command}" by_cmake)
+meaning_of("${usage};${FLAGS}" by_pkg_config)
+if(NOT by_cmake STREQUAL by_pkg_config)
+  message(FATAL_ERROR "find_package(vcell) compiles with ${by_cmake}, pkg-config with ${by_pkg_config}")
+endif()
+compile(${object} -o ${BUILD}/scene_to_files)
 compile(${SOURCE}/headers.cpp -E -o ${BUILD}/headers.ii)  # tests/envelope compiles them
 run_example(${BUILD}/scene_to_files)
 

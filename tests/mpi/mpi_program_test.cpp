@@ -31,9 +31,11 @@ Run by_vcell(const Workplace& work, const std::string& arguments) {
         work, work.run("diagram " + arguments + " --threads 1 --cells cells.tsv --contacts contacts.tsv"));
 }
 
-// More ranks than cores, by any user: Open MPI wants to be told.
+// More ranks than cores, by any user: Open MPI wants to be told. When a rank aborts it would wait a second
+// before it kills the others, which have nothing to save.
 std::string mpirun(int ranks) {
-    return "env OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+    return "env OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_odls_base_sigkill_timeout=0 "
+           "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
            "OMPI_MCA_btl_vader_single_copy_mechanism=none " VCELL_MPIRUN " " +
            std::to_string(ranks) + " '" VCELL_MPI_PROGRAM "' ";
 }
