@@ -8,6 +8,11 @@ import tempfile
 
 NAMES = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"]
 
+# WebGL without antialiasing, of which each picture costs a renderer in software four samples a pixel.
+ROUGH = """(get => HTMLCanvasElement.prototype.getContext = function (kind, wishes) {
+  return get.call(this, kind, {...wishes, antialias: false});
+})(HTMLCanvasElement.prototype.getContext)"""
+
 
 def program():
     """The path of a Chromium, or None."""
@@ -15,7 +20,7 @@ def program():
 
 
 class Browser:
-    def __init__(self, path, width=1280, height=800, scale=1):
+    def __init__(self, path, width=1280, height=800, scale=1, smooth=True):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
@@ -32,11 +37,13 @@ class Browser:
             preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
-        self.buffer, self.number, self.events, self.session = b"", 0, [], None
+        self.buffer, self.number, self.events, self.session, self.page = b"", 0, [], None, None
         target = next(t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page")
         self.session = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
         for domain in ["Page", "Runtime", "Log", "Network"]:
             self.call(domain + ".enable")
+        if not smooth:
+            self.call("Page.addScriptToEvaluateOnNewDocument", source=ROUGH)
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=False)
 
     def __enter__(self):
@@ -79,10 +86,12 @@ class Browser:
 
     def open(self, address):
         # From one fragment of a page to another one nothing would be loaded.
-        for target in ["about:blank", address]:
+        page = address.split("#")[0]
+        for target in ["about:blank", address] if page == self.page else [address]:
             self.events.clear()
             self.call("Page.navigate", url=target)
             self.wait_for_load()
+        self.page = page
         self.settle()
 
     def wait_for_load(self):
@@ -108,7 +117,7 @@ class Browser:
         self.settle()
 
     def click(self, x, y):
-        self.move_to(x, y)
+        self.mouse("mouseMoved", x, y)
         self.mouse("mousePressed", x, y, button="left", clickCount=1)
         self.mouse("mouseReleased", x, y, button="left", clickCount=1)
         self.settle()

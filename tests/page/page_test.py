@@ -147,9 +147,11 @@ def test_click(chromium, vcell, folder, scene):
         assert page.chosen() == title(cell, cell["faces"][face]["site"])
         assert page.ask(f"vcell.view.painted.get('0:{face}')") == 0.7
 
-    # A vertex tells its clearance and shows the ball of it.
+    # A vertex tells its clearance and shows the ball of it. Each of the first few that no face hides does.
     seen = 0
     for number, place in enumerate(page.places([v["point"] for v in cell["vertices"]])):
+        if seen == 3:
+            break
         chromium.move_to(*place)
         if page.ask("document.getElementById('tip').hidden"):
             continue
@@ -164,17 +166,19 @@ def test_click(chromium, vcell, folder, scene):
         assert page.ask(f"document.querySelector('#diagram [data-vertex=\"{number}\"]').classList.contains('hovered')")
     assert seen > 0
 
-    # Escape chooses nothing; a fragment chooses again.
+    # Escape chooses nothing.
     chromium.press("Escape")
     assert page.chosen() is None and page.chosen_in_diagram() == []
-    page = Page(chromium, files[0], "#face:1")
-    assert page.chosen_in_diagram() == [1]
     page.check_alone()
     return len(places), seen
 
 
 def test_controls(chromium, page_file):
-    page = Page(chromium, page_file)
+    """A fragment chooses; keys, drags and the wheel turn; what is cut off or left out cannot be pointed at."""
+    page = Page(chromium, page_file, "#face:1")
+    assert page.chosen_in_diagram() == [1]
+    chromium.press("Escape")
+    assert page.chosen() is None
     middle = page.ask("(f => [f.left + f.width / 2, f.top + f.height / 2])(document.getElementById('canvas').getBoundingClientRect())")
     before = page.ask("vcell.view.orbit.azimuth")
     page.ask("document.getElementById('canvas').focus()")
@@ -276,7 +280,7 @@ def main():
     if path is None:
         print("skipped: no Chromium (Debian: chromium-headless-shell)")
         return 77
-    with tempfile.TemporaryDirectory() as name, browser.Browser(path) as chromium:
+    with tempfile.TemporaryDirectory() as name, browser.Browser(path, 1000, 640, smooth=False) as chromium:
         folder = pathlib.Path(name)
         for scene in ["table3_04", "figure10", "figure8"]:
             faces, vertices = test_click(chromium, vcell, folder, scenes / f"{scene}.json")
