@@ -20,7 +20,7 @@ public:
 
     std::optional<EdgeBound> follow() {
         const std::vector<EdgePart>& whole = edge_.parts;
-        EdgeBound bound{0, 0, HUGE_VAL};
+        EdgeBound bound{0, 0, 0, HUGE_VAL};
         const double width =
             std::max(tie_width(edge_.conditions[0].site), tie_width(edge_.conditions[1].site));
         std::size_t count = 0;
@@ -53,6 +53,7 @@ public:
                 bound.distance = std::max(bound.distance, follows   ? found->distance
                                                           : touches ? size / growth
                                                                     : from_node);
+                if (found) bound.rounded = std::max(bound.rounded, width / found->slope);
                 bound.excess = std::max(bound.excess, size);
                 bound.growth = std::min(bound.growth, growth);
                 continue;

@@ -61,7 +61,7 @@ private:
         if (!bound) return;
         const auto nearer = certify_no_rivals(edge_, bound->distance, subject_, options_, certificate_);
         if (!nearer) return;
-        if (e.error > most_stated(bound->distance) && e.error > most_stated(trims_off(i)))
+        if (e.error > most_stated(bound->distance, bound->rounded) && e.error > most_stated(trims_off(i)))
             return certificate_.refute(edge_.path + ".error",
                                        fmt::format("is {:.3g}, the curve is within {:.3g} of the true one",
                                                    e.error, bound->distance),

@@ -11,6 +11,7 @@ namespace vcell::check {
 /// How well a curve is known to follow the true arc.
 struct EdgeBound {
     double distance = HUGE_VAL;  ///< from it; where the bisectors touch, from the boundary
+    double rounded = 0;          ///< how far off are excesses that are no difference (Room::tie_width)
     double excess = HUGE_VAL;    ///< of its two sites
     double growth = 0;           ///< of those towards the base, per length (Room::growth)
 };

@@ -41,9 +41,14 @@ protected:
     const Space<Interval>& space() const { return subject_.space; }
     /// Below this an excess is no difference: what rounding of numbers of the scene's size makes of zero.
     double tie_width(const Site& s) const { return geometry_.site_rounding(s); }
-    /// The largest error that may be stated where this much is proved: about what the scene tolerates, or a
-    /// multiple as large as bounds found in other ways may differ by.
-    double most_stated(double proved) const { return std::max(16 * scene_tolerance(), 1024 * proved); }
+    /// The largest error that may be stated where this much is proved, and excesses of no more than
+    /// tie_width() may be this far from where they vanish: about what the scene tolerates, what rounding does
+    /// to numbers of its size, from which no bound that counts roundings is free however near the numbers
+    /// happen to be, or a multiple as large as bounds found in other ways may differ by.
+    double most_stated(double proved, double rounded) const {
+        return std::max(16 * std::max(scene_tolerance(), rounded), 1024 * proved);
+    }
+    double most_stated(double proved) const { return most_stated(proved, 0); }
 
     double rounding() const { return geometry_.rounding(); }
     double height(const Vec3& p) const { return geometry_.height(p); }

@@ -160,6 +160,8 @@ std::vector<Site> Subject::label(std::size_t e) const {
     return sites;
 }
 
-double Subject::tolerance() const { return cell.scene.tolerance.value_or(1e-7 * cell.scene.box.diagonal()); }
+double Subject::tolerance() const {
+    return std::max(cell.scene.tolerance.value_or(1e-7 * cell.scene.box.diagonal()), geometry.rounding());
+}
 
 }  // namespace vcell::check

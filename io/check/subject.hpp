@@ -34,7 +34,7 @@ struct Subject {
         double begin, end;  // of the edge's parameters
     };
 
-    /// The scene's, or the default.
+    /// The scene's, or the default; no less than rounding of coordinates.
     double tolerance() const;
     /// Of an edge, that of its end vertices included: the curve runs through them.
     double full_error(std::size_t e) const;

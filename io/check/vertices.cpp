@@ -347,7 +347,7 @@ private:
             nearer = std::max(nearer, -lower_bound(e));
             note = fmt::format("{} is nearer, by less than {:.3g}; ", title(c.site), -lower_bound(e));
         }
-        if (v.error > most_stated(most)) {
+        if (v.error > most_stated(most) && v.error > most_stated(most, rounded(v.point, conditions))) {
             certificate_.refute(path() + ".error",
                                 fmt::format("is {:.3g}, the point is within {:.3g}", v.error, most), v.error);
             return true;
@@ -356,6 +356,21 @@ private:
             note += fmt::format("a tie of {} sites, verified to {:.3g}", v.sites.size(), tie);
         prove(path(), std::max({most, nearer, tie}), note);
         return true;
+    }
+
+    /// How far from where they vanish excesses that are no difference may be, to first order.
+    double rounded(const Vec3& p, std::span<const Condition> conditions) const {
+        const std::vector<Condition> three = independent(space(), conditions, p);
+        if (three.size() < 3) return 0;
+        Eigen::Matrix3d gradients;
+        for (int r = 0; r < 3; ++r)
+            gradients.row(r) =
+                middle(space().gradient(three[static_cast<std::size_t>(r)], to_vector<Interval>(p)));
+        const Eigen::Matrix3d inverse = gradients.inverse();
+        double sum = 0;
+        for (int r = 0; r < 3; ++r)
+            sum += inverse.col(r).norm() * tie_width(three[static_cast<std::size_t>(r)].site);
+        return std::isfinite(sum) ? sum : 0;
     }
 
     /// Sites that the vertex does not list and that are not far.
