@@ -25,6 +25,15 @@ constexpr double of_product = 5 * u, of_plane = 12 * u;
 
 constexpr int deepest = 40, most_halvings = 200;  // of a span, and of an edge's spans, for their proof
 
+// A bound over a span holds the largest of what enters it against the least weight or distance. Where these
+// are of very different sizes along it (a hyperbola comes from far to next to the base) that is by as much
+// too large: parts are bounded one by one then. Halving takes the square root of what sizes differ by, so
+// that few do.
+constexpr double even = 16;
+constexpr int most_evenings = 8;
+// What halving a span once rounds, of sizes in the whole of it.
+constexpr double of_halving = 8 * u;
+
 struct Controls {
     std::array<Vector4d, 3> X;  // times the weights
     std::array<double, 3> w;
@@ -42,18 +51,24 @@ double product(Chart chart, const Vector4d& a, const Vector4d& b) {
     return a.x() * b.x() + chart.across(a.y() * b.y()) + a.z() * b.z() - a.w() * b.w();
 }
 
-// How near to the conic all of a span is proved to be; infinite if it is not.
-double span_distance(Chart chart, const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
-                     double inner, double sine2, double blur) {
+struct SpanBound {
+    double distance;  // infinite where it is not proved
+    bool is_even;
+};
+
+// How near to the conic all of a span is proved to be.
+SpanBound span_distance(Chart chart, const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
+                        double inner, double sine2, double blur) {
     const std::array<const Vector4d*, 3> X{&span.from, &span.middle, &span.to};
     const double w = span.weight, over_w = 1 / w;
     const std::array<double, 3> weights{1, w, 1}, over{1, over_w, 1};
     std::array<double, 3> length;
-    double far = 0, near = infinity;
+    double far = 0, near = infinity, farthest = 0;
     for (int i = 0; i < 3; ++i) {
         length[i] = X[i]->norm();
         far = std::max(far, length[i] * over[i]);
         near = std::min(near, X[i]->w() * over[i]);
+        farthest = std::max(farthest, X[i]->w() * over[i]);
     }
     std::array<double, 2> r{0, 0};
     for (int j = 0; j < 2; ++j) {
@@ -99,23 +114,59 @@ double span_distance(Chart chart, const ConicSpan& span, const std::array<Distan
     m2 /= sine2;
     const double over_near = phi / near;
     m2 -= 8 * over_near * (std::sqrt(std::max(m2, 0.0)) + over_near);
-    return near > 0 && m2 > 0 && 2.5 * phi <= near * m2 ? e + 2 * phi / std::sqrt(m2) : infinity;
+    return {near > 0 && m2 > 0 && 2.5 * phi <= near * m2 ? e + 2 * phi / std::sqrt(m2) : infinity,
+            farthest <= even * near};
+}
+
+double even_distance(Chart chart, const ConicSpan& span, const std::array<DistancePlane, 2>& planes,
+                     double inner, double sine2, double blur, int evenings = 0) {
+    const SpanBound whole = span_distance(chart, span, planes, inner, sine2, blur);
+    if (whole.is_even || !(whole.distance < infinity) || evenings == most_evenings) return whole.distance;
+    const double size = std::max({span.from.norm(), span.middle.norm() / span.weight, span.to.norm()});
+    double most = 0;
+    for (const ConicSpan& half : span.halves())
+        most = std::max(most, even_distance(chart, half, planes, inner, sine2, blur, evenings + 1));
+    return std::min(whole.distance, most + of_halving * size);
 }
 
 // A span with its trim, of degree N.
 template <int N>
 struct Trimmed {
-    Controls curve;
-    std::array<Vector3d, N + 1> trim;
+    using Trim = std::array<Vector3d, N + 1>;
 
-    Trimmed(const ConicSpan& span, const ConicTrim& of) : curve(span) {
+    Controls curve;
+    Trim trim;
+    int halvings = 0;
+    // Absolute values of the controls, halved as these: with those of a part halving has rounded it.
+    Controls curve_size;
+    Trim trim_size;
+
+    Trimmed(const ConicSpan& span, const ConicTrim& of) : curve(span), curve_size(span) {
         std::copy_n(of.points.begin(), N + 1, trim.begin());
+        for (Vector4d& x : curve_size.X) x = x.cwiseAbs();
+        std::ranges::transform(trim, trim_size.begin(), [](const Vector3d& p) { return p.cwiseAbs(); });
     }
+    // In these sizes.
+    double rounding() const { return conic_rounding + halvings * of_halving; }
+    // How far halving has moved the curve at most.
+    double moved() const {
+        if (halvings == 0) return 0;
+        const Vector3d size(curve_size.row(0).largest(), curve_size.row(1).largest(),
+                            curve_size.row(2).largest());
+        return halvings * of_halving * size.norm() / curve.weight().smallest_coefficient();
+    }
+    double size_in_patch(int i) const {
+        return Bernstein<N>::from([&](int k) { return trim_size[k][i]; }).largest();
+    }
+
     std::array<Trimmed, 2> halves() const {
         std::array<Trimmed, 2> half{*this, *this};
+        for (Trimmed& h : half) ++h.halvings;
         divide(curve.X, half[0].curve.X, half[1].curve.X);
         divide(curve.w, half[0].curve.w, half[1].curve.w);
         divide(trim, half[0].trim, half[1].trim);
+        divide(curve_size.X, half[0].curve_size.X, half[1].curve_size.X);
+        divide(trim_size, half[0].trim_size, half[1].trim_size);
         return half;
     }
 
@@ -135,28 +186,32 @@ private:
 
 // How far a patch's points S / S[3] at a trim are from the curve's X / W; the magnitudes that enter S bound
 // its rounding. Infinite where a weight is not known to be positive.
-template <int N>
-double off_curve(const std::array<Bernstein<N>, 4>& S, const std::array<double, 4>& size,
-                 const std::array<Bernstein<2>, 3>& X, const Bernstein<2>& W) {
-    const double weight = S[3].smallest_coefficient() - conic_rounding * size[3],
+template <int N, int M>
+SpanBound off_curve(const std::array<Bernstein<N>, 4>& S, const std::array<double, 4>& size,
+                    const std::array<Bernstein<2>, 3>& X, const Bernstein<2>& W, const Trimmed<M>& part) {
+    const double rounding = part.rounding(), weight = S[3].smallest_coefficient() - rounding * size[3],
                  least = W.smallest_coefficient();
-    if (!(weight > 0 && least > 0)) return infinity;
+    if (!(weight > 0 && least > 0)) return {infinity, false};
     double squared = 0;
     for (int i = 0; i < 3; ++i) {
         const double off = (S[i] * W - S[3] * X[i]).largest() +
-                           conic_rounding * (size[i] * W.largest() + size[3] * X[i].largest());
+                           rounding * (size[i] * W.largest() + size[3] * X[i].largest());
         squared += off * off;
     }
-    return std::sqrt(squared) / (weight * least);
+    return {std::sqrt(squared) / (weight * least), S[3].largest() * W.largest() <= even * weight * least};
 }
 
-double trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part) {
+SpanBound trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part) {
     const auto trim_row = [&](int i) { return Bernstein<2>::from([&](int k) { return part.trim[k][i]; }); };
     const Bernstein<2> U = trim_row(0), V = trim_row(1), D = trim_row(2);
     const std::array<Bernstein<4>, 6> monomials{square(D), U * D, V * D, square(U), U * V, square(V)};
     constexpr std::array<std::array<int, 2>, 6> powers{{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
     std::array<double, 6> largest;
     for (int k = 0; k < 6; ++k) largest[k] = monomials[k].largest();
+    if (part.halvings > 0) {
+        const double u = part.size_in_patch(0), v = part.size_in_patch(1), d = part.size_in_patch(2);
+        largest = {d * d, u * d, v * d, u * u, u * v, v * v};
+    }
     std::array<Bernstein<4>, 4> S;
     std::array<double, 4> size{};
     for (int i = 0; i < 4; ++i)
@@ -165,18 +220,20 @@ double trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part) {
             S[i] = S[i] + c * monomials[k];
             size[i] += std::abs(c) * largest[k];
         }
-    return off_curve(S, size, {part.curve.row(0), part.curve.row(1), part.curve.row(2)}, part.curve.weight());
+    return off_curve(S, size, {part.curve.row(0), part.curve.row(1), part.curve.row(2)}, part.curve.weight(),
+                     part);
 }
 
 // With T = mu v D^2 for a trim (U, V) / D, in the frame's own directions about its origin
 // (cylinder_patch.hpp).
-double trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
+SpanBound trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
     const auto trim_row = [&](int i) { return Bernstein<3>::from([&](int k) { return part.trim[k][i]; }); };
     const Bernstein<3> U = trim_row(0), V = trim_row(1), D = trim_row(2);
     const double eps = f.eps(), base = f.f0() + f.height().rho();
     const Bernstein<6> T = (eps * U + D) * V, D2 = square(D);
     const Bernstein<9> D3 = D2 * D, TV = T * V, TD = T * D, UD2 = U * D2;
-    const double u = U.largest(), v = V.largest(), d = D.largest(), t = (eps * u + d) * v;
+    const double u = part.size_in_patch(0), v = part.size_in_patch(1), d = part.size_in_patch(2),
+                 t = (eps * u + d) * v;
     const std::array<Bernstein<9>, 4> S{UD2 - 0.25 * eps * TV, TD,
                                         f.f0() * D3 + eps * base * UD2 + f.z1() * TD + f.z2() * TV, D3};
     const std::array size{
@@ -187,26 +244,29 @@ double trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
     const Bernstein<2> X = part.curve.row(0), Y = part.curve.row(1), W = part.curve.weight();
     const double moved = conic_rounding * (X.largest() + Y.largest() + W.largest() * f.origin().norm()) /
                          W.smallest_coefficient();
-    return off_curve(S, size,
-                     {ex.x() * X + ey.x() * Y - o.x() * W, ex.y() * X + ey.y() * Y - o.y() * W,
-                      f.height().side() * part.curve.row(2)},
-                     W) +
-           moved;
-}
-
-template <class Patch, int N>
-double trim_distance(const Patch& patch, const Trimmed<N>& part, int halvings) {
-    const double whole = trim_distance_of_part(patch, part);
-    if (whole < infinity || halvings == 0) return whole;
-    double most = 0;
-    for (const Trimmed<N>& half : part.halves()) {
-        most = std::max(most, trim_distance(patch, half, halvings - 1));
-        if (most == infinity) break;
-    }
-    return most;
+    SpanBound bound = off_curve(S, size,
+                                {ex.x() * X + ey.x() * Y - o.x() * W, ex.y() * X + ey.y() * Y - o.y() * W,
+                                 f.height().side() * part.curve.row(2)},
+                                W, part);
+    bound.distance += moved;
+    return bound;
 }
 
 constexpr int trim_halvings = 10;
+
+template <class Patch, int N>
+double trim_distance(const Patch& patch, const Trimmed<N>& part) {
+    SpanBound whole = trim_distance_of_part(patch, part);
+    whole.distance += part.moved();
+    const bool is_proved = whole.distance < infinity;
+    if (whole.is_even || part.halvings >= (is_proved ? most_evenings : trim_halvings)) return whole.distance;
+    double most = 0;
+    for (const Trimmed<N>& half : part.halves()) {
+        most = std::max(most, trim_distance(patch, half));
+        if (!(most < whole.distance)) break;
+    }
+    return std::min(whole.distance, most);
+}
 
 }  // namespace
 
@@ -220,7 +280,7 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
     const double rest = unproved_length(std::vector<ConicSpan>(spans.begin(), spans.end()), deepest,
                                         most_halvings, [&](const ConicSpan& span) {
                                             const double of_span =
-                                                span_distance(chart, span, planes, inner, sine2, blur);
+                                                even_distance(chart, span, planes, inner, sine2, blur);
                                             if (!(of_span < infinity)) return false;
                                             distance = std::max(distance, of_span);
                                             return true;
@@ -269,11 +329,11 @@ double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Ch
 }
 
 double trim_distance(const RadialPatch& patch, const ConicSpan& span, const ConicTrim& trim) {
-    return trim_distance(patch, Trimmed<2>(span, trim), trim_halvings);
+    return trim_distance(patch, Trimmed<2>(span, trim));
 }
 
 double trim_distance(const CylinderFrame& patch, const ConicSpan& span, const ConicTrim& trim) {
-    return trim_distance(patch, Trimmed<3>(span, trim), trim_halvings);
+    return trim_distance(patch, Trimmed<3>(span, trim));
 }
 
 }  // namespace vcell
