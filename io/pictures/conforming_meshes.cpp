@@ -50,6 +50,8 @@ public:
     }
 
 private:
+    using Places = std::unordered_map<std::pair<SharedId, Image>, std::uint32_t, HashPlace>;
+
     // ---- What others may have
 
     // Lines that were drawn are kept for others, but for those that are images of ones that were kept: was
@@ -123,10 +125,32 @@ private:
                     face->corner_normals.push_back(directions);
                 }
             }
+            face->across = sides_across(face->triangles, face->points.size());
             store_.faces[beyond.site.index].push_back(face);
             if (beyond.site == own_.site) faces_[f] = {face, std::nullopt};
         }
         return has_found;
+    }
+
+    // SharedFace::across.
+    static std::vector<MeshSide> sides_across(const std::vector<Triangle>& triangles,
+                                              std::size_t point_count) {
+        std::vector<MeshSide> sides;
+        for (const Triangle& t : triangles)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto [p, q] = std::minmax(t[k], t[(k + 1) % 3]);
+                sides.push_back({p, q});
+            }
+        std::ranges::sort(sides);
+        std::vector<bool> is_of_line(point_count, false);
+        std::vector<MeshSide> inside;
+        for (std::size_t i = 0; i < sides.size(); ++i)
+            if (i + 1 < sides.size() && sides[i + 1] == sides[i])
+                inside.push_back(sides[i++]);
+            else
+                is_of_line[sides[i][0]] = is_of_line[sides[i][1]] = true;
+        std::erase_if(inside, [&](const MeshSide& s) { return !is_of_line[s[0]] || !is_of_line[s[1]]; });
+        return inside;
     }
 
     // ---- The mesh with what is known
@@ -141,7 +165,7 @@ private:
     CellMesh drawn() {
         KnownMesh known;
         points_.clear();
-        std::unordered_map<std::pair<SharedId, Image>, std::uint32_t, HashPlace> places;
+        Places places;
         const auto place_of = [&](const SharedPoint& p) {
             const auto [at, is_new] =
                 places.try_emplace(p.key(), static_cast<std::uint32_t>(known.points.size()));
@@ -171,8 +195,35 @@ private:
                 for (const std::uint32_t piece : whole_.faces[f])
                     known.faces[piece] = piece == whole_.faces[f].front() ? known_face(*face, by, place_of)
                                                                           : KnownMesh::Face();
+        find_taken(known, places);
         find_breaks(known);
         return tessellate(cell_, options_, known);
+    }
+
+    // The cell beyond a face takes over others, too, which have points in common with it: two sides that join
+    // the same of these, one in each face, would be one side of that cell's mesh.
+    void find_taken(KnownMesh& known, const Places& places) const {
+        known.taken.resize(cell_.faces.size());
+        for (std::size_t f = 0; f < faces_.size(); ++f) {
+            const NetworkSite beyond = beyond_face(f);
+            if (faces_[f].first || !beyond.site.is_object()) continue;
+            const auto list = store_.faces.find(beyond.site.index);
+            if (list == store_.faces.end()) continue;
+            std::vector<MeshSide> taken;
+            for (const std::shared_ptr<SharedFace>& face : list->second) {
+                if (face->owner == own_.site.index) continue;  // as drawn before: it is drawn so again
+                const Image by = sum(beyond.image, opposite(face->beyond.image));
+                for (const MeshSide& side : face->across) {
+                    const auto from = places.find(face->points[side[0]].at(by).key()),
+                               to = places.find(face->points[side[1]].at(by).key());
+                    if (from == places.end() || to == places.end()) continue;
+                    const auto [p, q] = std::minmax(from->second, to->second);
+                    taken.push_back({p, q});
+                }
+            }
+            std::ranges::sort(taken);
+            for (const std::uint32_t piece : whole_.faces[f]) known.taken[piece] = taken;
+        }
     }
 
     // Cells of tubes whose parts end in other cells' edges have points there.

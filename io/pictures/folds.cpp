@@ -16,6 +16,47 @@ namespace vcell {
 
 namespace {
 
+// In a tip, where u moves nothing, it is that beside the tip.
+Vec3 unit_normal(const RationalPatch& s, const Vec2& p) {
+    const auto [du, dv] = s.partials(p.x(), p.y());
+    const Vec3 n = du.cross(dv);
+    constexpr double next_to_nothing = 0x1p-40, aside = 0x1p-10;
+    if (du.norm() > next_to_nothing * dv.norm()) return n.stableNormalized();
+    const double middle = 0.5 * (s.domain_v[0] + s.domain_v[1]), beside = p.y() + aside * (middle - p.y());
+    const auto [du2, dv2] = s.partials(p.x(), beside);
+    return du2.cross(dv2).stableNormalized();
+}
+
+// Half way between two points of a patch in space, straight in parameters.
+Vec2 half_way(const RationalPatch& s, const Vec2& a, const Vec2& b) {
+    const auto between = [&](double part) -> Vec2 { return (1 - part) * a + part * b; };
+    return between(middle_in_space(0, 1, [&](double part) {
+        const Vec2 uv = between(part);
+        return s.evaluate(uv.x(), uv.y());
+    }));
+}
+
+// By point, in their order: along a sliver all of a triangulation may be turned over.
+class TrianglesAround {
+public:
+    explicit TrianglesAround(const Triangulation& t) : begin_(t.points.size() + 1, 0) {
+        for (const Triangle& v : t.triangles)
+            for (const std::uint32_t i : v) ++begin_[i + 1];
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        triangles_.resize(begin_.back());
+        std::vector<std::uint32_t> next = begin_;
+        for (std::uint32_t k = 0; k < t.triangles.size(); ++k)
+            for (const std::uint32_t i : t.triangles[k]) triangles_[next[i]++] = k;
+    }
+
+    std::span<const std::uint32_t> operator[](std::uint32_t point) const {
+        return {triangles_.data() + begin_[point], begin_[point + 1] - begin_[point]};
+    }
+
+private:
+    std::vector<std::uint32_t> begin_, triangles_;
+};
+
 class Placement {
 public:
     Placement(const RationalPatch& s, std::vector<Vec3> polygon, Triangulation& t)
@@ -29,9 +70,7 @@ public:
     }
 
     PlacedPoints without_folds(double doubt) && {
-        for (const Triangle& v : t_.triangles)
-            for (const std::uint32_t i : v)
-                if (i >= inner_ && is_over(v)) move(i);
+        move_inner_points();
         PlacedPoints placed;
         if (std::ranges::any_of(t_.triangles, [&](const Triangle& v) { return is_over(v); })) {
             flip_folds();
@@ -45,17 +84,7 @@ public:
     }
 
 private:
-    // In a tip, where u moves nothing, it is that beside the tip.
-    Vec3 normal(const Vec2& p) const {
-        const auto [du, dv] = surface_.partials(p.x(), p.y());
-        const Vec3 n = du.cross(dv);
-        constexpr double next_to_nothing = 0x1p-40, aside = 0x1p-10;
-        if (du.norm() > next_to_nothing * dv.norm()) return n.stableNormalized();
-        const double middle = 0.5 * (surface_.domain_v[0] + surface_.domain_v[1]),
-                     beside = p.y() + aside * (middle - p.y());
-        const auto [du2, dv2] = surface_.partials(p.x(), beside);
-        return du2.cross(dv2).stableNormalized();
-    }
+    Vec3 normal(const Vec2& p) const { return unit_normal(surface_, p); }
     bool is_over(const Triangle& v) const { return extent(v) < 0; }
     // Twice the triangle's area along its normals.
     double extent(const Triangle& v) const {
@@ -70,21 +99,44 @@ private:
         places_[i] = surface_.evaluate(p.x(), p.y());
         normals_[i] = normal(p);
     }
-    void move(std::uint32_t i) {
-        std::vector<Triangle> around;
-        Vec2 sum = Vec2::Zero();
+    // Along a sliver all triangles may be turned over, and one point be a corner of most: where it could not
+    // be moved it is left alone until something around it has been, and where it has been tried many times.
+    void move_inner_points() {
+        std::optional<TrianglesAround> around;  // found where any is turned over
+        std::vector<bool> is_stuck;
+        constexpr std::uint8_t most_tries = 16;  // far more than where triangles end up the right way round
+        std::vector<std::uint8_t> tries;
         for (const Triangle& v : t_.triangles)
-            for (std::size_t k = 0; k < 3; ++k)
-                if (v[k] == i) {
-                    around.push_back(v);
-                    sum += t_.points[v[(k + 1) % 3]];
+            for (const std::uint32_t i : v) {
+                if (i < inner_ || !is_over(v)) continue;
+                if (!around) {
+                    around.emplace(t_);
+                    is_stuck.assign(t_.points.size(), false);
+                    tries.assign(t_.points.size(), 0);
                 }
+                if (is_stuck[i] || tries[i] == most_tries) continue;
+                ++tries[i];
+                is_stuck[i] = !move(i, (*around)[i]);
+                if (is_stuck[i]) continue;
+                for (const std::uint32_t t : (*around)[i])
+                    for (const std::uint32_t beside : t_.triangles[t]) is_stuck[beside] = false;
+            }
+    }
+    // Or leaves the point where it is: false.
+    bool move(std::uint32_t i, std::span<const std::uint32_t> around) {
+        Vec2 sum = Vec2::Zero();
+        for (const std::uint32_t t : around) {
+            const Triangle& v = t_.triangles[t];
+            sum += t_.points[v[v[0] == i ? 1 : v[1] == i ? 2 : 0]];
+        }
         const Vec2 from = t_.points[i], middle = sum / static_cast<double>(around.size());
         for (const double part : {0.25, 0.5, 0.75, 1.0}) {
             put(i, (1 - part) * from + part * middle);
-            if (std::ranges::none_of(around, [&](const Triangle& v) { return is_over(v); })) return;
+            if (std::ranges::none_of(around, [&](std::uint32_t t) { return is_over(t_.triangles[t]); }))
+                return true;
         }
         put(i, from);
+        return false;
     }
 
     // ---- Other diagonals
@@ -255,13 +307,8 @@ private:
         const Triangle w = t_.triangles[s];
         const std::uint32_t d = w[w[0] == a ? 1 : w[1] == a ? 2 : 0];
         const auto m = static_cast<std::uint32_t>(t_.points.size());
-        const auto between = [&](double part) -> Vec2 {
-            return (1 - part) * t_.points[a] + part * t_.points[b];
-        };
-        const auto place = [&](const Vec2& uv) { return surface_.evaluate(uv.x(), uv.y()); };
-        t_.points.push_back(
-            between(middle_in_space(0, 1, [&](double part) { return place(between(part)); })));
-        places_.push_back(place(t_.points[m]));
+        t_.points.push_back(half_way(surface_, t_.points[a], t_.points[b]));
+        places_.push_back(surface_.evaluate(t_.points[m].x(), t_.points[m].y()));
         normals_.push_back(normal(t_.points[m]));
         leave(t);
         leave(s);
@@ -297,11 +344,11 @@ struct MeshCorner {
 
 class Separator {
 public:
-    Separator(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn)
-        : mesh_(mesh), patch_of_(mesh.triangles.size(), none) {
+    Separator(CellMesh& mesh, std::vector<DrawnPatch>& drawn)
+        : mesh_(mesh), drawn_(drawn), patch_of_(mesh.triangles.size(), none) {
         for (std::uint32_t p = 0; p < drawn.size(); ++p)
-            std::fill(patch_of_.begin() + static_cast<std::ptrdiff_t>(drawn[p].first),
-                      patch_of_.begin() + static_cast<std::ptrdiff_t>(drawn[p].second), p);
+            std::fill(patch_of_.begin() + static_cast<std::ptrdiff_t>(drawn[p].begin),
+                      patch_of_.begin() + static_cast<std::ptrdiff_t>(drawn[p].end), p);
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
             for (std::uint32_t k = 0; k < 3; ++k) sides_.push_back(side(t, k));
         std::ranges::sort(sides_);
@@ -311,7 +358,10 @@ public:
         std::vector<Side> doubled;
         for (std::size_t i = 1; i < sides_.size(); ++i)
             if (sides_[i] == sides_[i - 1]) doubled.push_back(sides_[i]);
-        for (const Side& s : doubled) separate(s);
+        for (const Side& s : doubled)
+            if (all(s).size() > 1) separate(s, none);  // not so after a flip for the side's other direction
+        for (std::uint32_t p = 0; p < drawn_.size(); ++p)
+            for (const Side& s : taken_sides(p)) separate(s, p);
     }
 
 private:
@@ -324,7 +374,7 @@ private:
     struct Flip {
         Place first, second;
         std::array<MeshCorner, 4> corners;  // a, b, c and d: a to b is the side, c and d are across it
-        double least;                       // of the two new triangles, along their normals
+        double least;                       // of the two new triangles, along their normals; or none
     };
 
     Side side(std::uint32_t t, std::uint32_t k) const {
@@ -335,12 +385,25 @@ private:
         return {mesh_.triangles[p.triangle][k], mesh_.corner_normals[p.triangle][k]};
     }
     bool is_side(const Side& s) const { return std::ranges::binary_search(sides_, s); }
+    bool is_taken(std::uint32_t patch, const Side& s) const {
+        return std::ranges::binary_search(drawn_[patch].taken,
+                                          MeshSide{std::min(s.first, s.second), std::max(s.first, s.second)});
+    }
     std::vector<Place> all(const Side& s) const {
         std::vector<Place> places;
         for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
             for (std::uint32_t k = 0; k < 3; ++k)
                 if (side(t, k) == s) places.push_back({t, k});
         return places;
+    }
+    // Those of a patch that are taken, in one direction each.
+    std::vector<Side> taken_sides(std::uint32_t patch) const {
+        std::vector<Side> result;
+        if (drawn_[patch].taken.empty()) return result;
+        for (auto t = static_cast<std::uint32_t>(drawn_[patch].begin); t < drawn_[patch].end; ++t)
+            for (std::uint32_t k = 0; k < 3; ++k)
+                if (const Side s = side(t, k); s.first < s.second && is_taken(patch, s)) result.push_back(s);
+        return result;
     }
     // Twice the triangle's area along its normals.
     double extent(const MeshCorner& a, const MeshCorner& b, const MeshCorner& c) const {
@@ -349,42 +412,86 @@ private:
             (mesh_.normals[a.normal] + mesh_.normals[b.normal] + mesh_.normals[c.normal]).normalized());
     }
 
-    void separate(const Side& s) {
+    // Takes the side away from a patch: from one of those that may change, if it is `none`.
+    void separate(const Side& s, std::uint32_t from) {
         std::optional<Flip> best;
         const std::vector<Place> uses = all(s);
-        if (uses.size() < 2) return;  // a flip for the side's other direction
         for (const Place& first : uses)
             for (const Place& second : all({s.second, s.first})) {
                 const std::uint32_t patch = patch_of_[first.triangle];
                 if (patch == none || patch != patch_of_[second.triangle]) continue;
+                if (from != none && patch != from) continue;
                 const MeshCorner a = corner(first, 0), b = corner(first, 1), c = corner(first, 2),
                                  d = corner(second, 2);
                 if (a.normal != corner(second, 1).normal || b.normal != corner(second, 0).normal) continue;
-                if (c.point == d.point || is_side({c.point, d.point}) || is_side({d.point, c.point}))
-                    continue;
-                const double least = std::min(extent(a, d, c), extent(d, b, c));
+                const bool is_free = c.point != d.point && !is_side({c.point, d.point}) &&
+                                     !is_side({d.point, c.point}) && !is_taken(patch, {c.point, d.point});
+                const double least = is_free ? std::min(extent(a, d, c), extent(d, b, c)) : 0;
                 if (!best || least > best->least) best = Flip{first, second, {a, b, c, d}, least};
             }
-        if (best) flip(*best);
+        if (!best) return;
+        if (best->least > 0)
+            flip(*best);
+        else
+            divide(*best);
     }
 
+    void put(std::size_t triangle, const std::array<MeshCorner, 3>& v) {
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            mesh_.triangles[triangle][k] = v[k].point;
+            mesh_.corner_normals[triangle][k] = v[k].normal;
+        }
+    }
+    void add_side(const MeshCorner& a, const MeshCorner& b) {
+        for (const Side& added : {Side{a.point, b.point}, Side{b.point, a.point}})
+            sides_.insert(std::ranges::upper_bound(sides_, added), added);
+    }
     void flip(const Flip& flip) {
         const auto& [a, b, c, d] = flip.corners;
-        const auto put = [&](const Place& at, const std::array<MeshCorner, 3>& v) {
-            for (std::uint32_t k = 0; k < 3; ++k) {
-                mesh_.triangles[at.triangle][k] = v[k].point;
-                mesh_.corner_normals[at.triangle][k] = v[k].normal;
-            }
-        };
-        put(flip.first, {a, d, c});
-        put(flip.second, {d, b, c});
-        for (const Side& added : {Side{c.point, d.point}, Side{d.point, c.point}})
-            sides_.insert(std::ranges::upper_bound(sides_, added), added);
+        put(flip.first.triangle, {a, d, c});
+        put(flip.second.triangle, {d, b, c});
+        add_side(c, d);
+    }
+    // Four triangles in place of two.
+    void divide(const Flip& pair) {
+        const auto& [a, b, c, d] = pair.corners;
+        const std::uint32_t patch = patch_of_[pair.first.triangle];
+        const DrawnPatch& p = drawn_[patch];
+        const std::size_t i = a.normal - p.first_normal, j = b.normal - p.first_normal, at = p.end;
+        if (!(i < p.parameters.size() && j < p.parameters.size())) return;  // of a point that divides another
+        const Vec2 uv = half_way(*p.surface, p.parameters[i], p.parameters[j]);
+        const MeshCorner m{static_cast<std::uint32_t>(mesh_.points.size()),
+                           static_cast<std::uint32_t>(mesh_.normals.size())};
+        mesh_.points.push_back(p.surface->evaluate(uv.x(), uv.y()));
+        mesh_.normals.push_back(unit_normal(*p.surface, uv));
+        make_room(at, patch);
+        put(pair.first.triangle, {a, m, c});
+        put(pair.second.triangle, {m, a, d});
+        put(at, {m, b, c});
+        put(at + 1, {b, m, d});
+        for (const MeshCorner& corner : pair.corners) add_side(m, corner);
+    }
+    // For two triangles at the end of a patch.
+    void make_room(std::size_t at, std::uint32_t patch) {
+        constexpr std::size_t count = 2;
+        const auto place = static_cast<std::ptrdiff_t>(at);
+        mesh_.triangles.insert(mesh_.triangles.begin() + place, count, Triangle());
+        mesh_.corner_normals.insert(mesh_.corner_normals.begin() + place, count, Triangle());
+        patch_of_.insert(patch_of_.begin() + place, count, patch);
+        for (std::uint32_t q = 0; q < drawn_.size(); ++q) {
+            if (q > patch) drawn_[q].begin += count;
+            if (q >= patch) drawn_[q].end += count;
+        }
+        for (CellMesh::Group& group : mesh_.groups) {
+            if (group.begin >= at) group.begin += count;
+            if (group.end >= at) group.end += count;
+        }
     }
 
     CellMesh& mesh_;
+    std::vector<DrawnPatch>& drawn_;
     std::vector<std::uint32_t> patch_of_;
-    std::vector<Side> sides_;  // of all triangles, ascending, and what a flip has added
+    std::vector<Side> sides_;  // of all triangles, ascending, and what has been added
 };
 
 }  // namespace
@@ -394,8 +501,6 @@ PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polyg
     return Placement(s, std::move(polygon), t).without_folds(doubt);
 }
 
-void separate_sides(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn) {
-    Separator(mesh, drawn).run();
-}
+void separate_sides(CellMesh& mesh, std::vector<DrawnPatch>& drawn) { Separator(mesh, drawn).run(); }
 
 }  // namespace vcell

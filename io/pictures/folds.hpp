@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "../../core/curves/bspline.hpp"
@@ -28,9 +29,19 @@ struct PlacedPoints {
 PlacedPoints place_without_folds(const RationalPatch& s, std::vector<Vec3> polygon, double doubt,
                                  Triangulation& t);
 
+/// A patch's triangles in a mesh, which may change.
+struct DrawnPatch {
+    std::size_t begin, end;
+    const RationalPatch* surface;
+    /// The patch's points, of which normals follow each other from `first_normal` on.
+    std::vector<Vec2> parameters;
+    std::uint32_t first_normal;
+    std::span<const MeshSide> taken;  ///< KnownMesh::taken of its face
+};
+
 /// Where faces on both sides of a line cut off the same corner of it, one side in space is two of the mesh:
-/// one of the two faces takes the other diagonal there. `drawn`: ranges of triangles, each of one patch, that
-/// may change.
-void separate_sides(CellMesh& mesh, const std::vector<std::pair<std::size_t, std::size_t>>& drawn);
+/// one of the two faces takes the other diagonal there. So does a face of sides that are taken. Where the
+/// other diagonal is a side, too, or would turn a triangle over, a point divides the side.
+void separate_sides(CellMesh& mesh, std::vector<DrawnPatch>& drawn);
 
 }  // namespace vcell

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "mesh.hpp"
@@ -31,6 +32,12 @@ struct KnownMesh {
     const Face* face(std::size_t f) const { return f < faces.size() && faces[f] ? &*faces[f] : nullptr; }
     /// For each edge of the cell, or none at all: parameters at which its polyline is to have a point.
     std::vector<std::vector<double>> breaks;
+    /// For each face of the cell, or none at all: what may be no side inside of the face, ascending, as the
+    /// cell beyond has it inside of another one.
+    std::vector<std::vector<MeshSide>> taken;
+    std::span<const MeshSide> taken_of(std::size_t f) const {
+        return f < taken.size() ? std::span<const MeshSide>(taken[f]) : std::span<const MeshSide>();
+    }
 };
 
 /// As tessellate(), with what is known as it is: points of polylines are taken for points of the edges, known

@@ -106,8 +106,14 @@ private:
             else
                 for (const TrimmedPatch& patch : shell_.faces[f].patches) {
                     const std::size_t before = mesh_.triangles.size();
+                    drawn_.push_back({before,
+                                      before,
+                                      &patch.surface,
+                                      {},
+                                      static_cast<std::uint32_t>(mesh_.normals.size()),
+                                      known_.taken_of(f)});
                     add_patch(patch, chords_.of_faces[f]);
-                    drawn_.emplace_back(before, mesh_.triangles.size());
+                    drawn_.back().end = mesh_.triangles.size();
                     check_size();
                 }
             add_group(f, begin);
@@ -232,6 +238,7 @@ private:
             mesh_.triangles.push_back({point[v[0]], point[v[1]], point[v[2]]});
             mesh_.corner_normals.push_back({first_normal + v[0], first_normal + v[1], first_normal + v[2]});
         }
+        drawn_.back().parameters = std::move(t.points);
     }
 
     const Shell& shell_;
@@ -241,9 +248,9 @@ private:
     std::size_t most_triangles_;
     LineSampling lines_;
     CellMesh mesh_;
-    std::vector<std::pair<std::size_t, std::size_t>> drawn_;  // ranges of triangles, each of a patch
-    double folded_ = 0;                                       // the area of triangles turned over
-    std::vector<LineSampling::Piece> at_folds_;               // of lines at these
+    std::vector<DrawnPatch> drawn_;
+    double folded_ = 0;                          // the area of triangles turned over
+    std::vector<LineSampling::Piece> at_folds_;  // of lines at these
 };
 
 }  // namespace

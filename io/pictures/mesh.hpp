@@ -1,6 +1,7 @@
 /// A triangle mesh of a cell's boundary: one tessellation for all mesh formats.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -10,6 +11,9 @@
 #include "triangulate.hpp"
 
 namespace vcell {
+
+/// Two points of a mesh, ascending.
+using MeshSide = std::array<std::uint32_t, 2>;
 
 struct MeshOptions {
     /// The largest distance, in length, between a triangle's side and the surface, along its normal, or the

@@ -84,6 +84,8 @@ struct SharedFace {
     std::vector<Triangle> triangles;  // into points
     std::vector<Vec3> normals;
     std::vector<Triangle> corner_normals;
+    /// Sides inside of it that join points of its lines, into points: other faces may have both of these.
+    std::vector<MeshSide> across;
 };
 
 /// A stored thing in the list of one of its objects, which is there at that image.

@@ -312,6 +312,21 @@ TEST_CASE("conforming meshes: vertices nearer to each other than their errors ar
     }
 }
 
+TEST_CASE("conforming meshes: no two faces that a cell takes over have one side inside of both") {
+    // Balls of a millionth of the box: faces that go on to its sides have few triangles for their lines.
+    const Vec3 at(0.3, 0.2, 0.1);
+    const auto ball = [&](double x, double y, double z, double radius) {
+        return Sphere{at + 1e-6 * Vec3(x, y, z), 1e-6 * radius};
+    };
+    const Soup soup =
+        conforming(scene_of({ball(1.611, -0.646, -1.959, 0.423), ball(-1.444, 1.974, 1.344, 0.5),
+                             ball(-1.266, -1.042, -0.142, 0), ball(1.582, 1.184, -0.938, 0.473)},
+                            {at - Vec3::Ones(), at + Vec3::Ones()}));
+    CHECK(soup.doubled_sides == 0);
+    CHECK(soup.drawn_again == 0);
+    CHECK(soup.not_closed == 0);
+}
+
 TEST_CASE("conforming meshes: edges no longer than the rounding of their places are not halved for that") {
     // A cubic lattice that stands on an edge, far from the origin: eight cells that all but meet in vertices.
     const std::array places{Vec3{94.64314575050761, 0.25, 100.3},
