@@ -210,15 +210,18 @@ public:
         const SpanPoint<double> p = evened(place);
         const Slice<double> slice(*this, p.y);
         std::array<double, terms> sum{};
-        // Places are rounded, and with them where the integral along x ends and how far apart these are.
-        const double noise = unit_roundoff * place_ / term_rounding;
-        const double step = std::abs(p.y1) + noise * (std::abs(p.x1) + std::abs(p.y1));
+        // Places are rounded, and with them where the integral along x ends and how far apart these are: one
+        // after the other, and both at once, which is the product of what both are off.
+        const double off = unit_roundoff * place_, noise = off / term_rounding,
+                     way = std::abs(p.x1) + std::abs(p.y1),
+                     size = std::abs(p.x) * (std::abs(p.y1) + noise * way) +
+                            noise * (std::abs(p.y1) + off * way);
         constexpr int samples = 4;
         for (int k = 0; k <= samples; ++k) {
             const std::array<double, terms> f = slice.size(p.x * k / samples);
             for (std::size_t i = 0; i < terms; ++i) sum[i] = std::max(sum[i], f[i]);
         }
-        for (double& s : sum) s *= (std::abs(p.x) + noise) * step;
+        for (double& s : sum) s *= size;
         return sum;
     }
 

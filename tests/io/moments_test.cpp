@@ -109,6 +109,24 @@ TEST_CASE("moments: boxes") {
     }
 }
 
+TEST_CASE("moments: of boxes a millionth thick errors are those of their numbers") {
+    // The sides have parameters a million times as large as they are high.
+    for (const double height : {0x1p-10, 0x1p-20}) {
+        CAPTURE(height);
+        Scene scene;
+        scene.base = Sphere{Vec3::Zero(), 0.25 * height};
+        scene.objects = {Sphere{Vec3::UnitX(), 0.25 * height}};
+        scene.box = {Vec3(-1, -0.75, -height), Vec3(1, 1, height)};
+        const Moments m = moments_of(voronoi_cell(scene));
+        const Expected e = of_box(scene.box.min, Vec3(0.5, 1, height));
+        CHECK((m.centroid - e.centroid).norm() <= m.centroid_error);
+        CHECK((m.second - e.second).cwiseAbs().maxCoeff() <= m.second_error);
+        const double most = 1e-9 / height;
+        CHECK(m.centroid_error < most);
+        CHECK(m.second_error < most * e.volume);
+    }
+}
+
 TEST_CASE("moments: under a paraboloid, between two balls") {
     // z = (r^2 + e) / w over the square [-1, 1]^2.
     const Cell under = voronoi_cell(paraboloid_cell().scene);
