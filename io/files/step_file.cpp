@@ -62,6 +62,24 @@ std::pair<std::vector<double>, std::vector<int>> counted(const Knots& all) {
     return result;
 }
 
+// A prefix of the metre, and its millimetres.
+struct Unit {
+    std::string_view prefix;
+    double millimetres;
+};
+
+// "m" has no prefix, and what is not known is taken for mm.
+Unit unit_of(const Cell& cell) {
+    constexpr Unit millimetre{".MILLI.", 1}, micrometre{".MICRO.", 1e-3};
+    constexpr std::array<std::pair<std::string_view, Unit>, 5> known{{{"m", {"$", 1e3}},
+                                                                      {"cm", {".CENTI.", 10}},
+                                                                      {"um", micrometre},
+                                                                      {"\u00b5m", micrometre},
+                                                                      {"nm", {".NANO.", 1e-6}}}};
+    const auto unit = std::ranges::find(known, cell.scene.units, [](const auto& k) { return k.first; });
+    return unit == known.end() ? millimetre : unit->second;
+}
+
 class StepFile {
 public:
     explicit StepFile(const Cell& cell) : joined_(joined_parts(cell)), cell_(joined_.cell) {}
@@ -97,7 +115,7 @@ private:
     // What no reader tells from a point, but for cells that are hardly larger themselves.
     double shortest() const {
         constexpr double of_cell = 1e-6;
-        return std::min(least_uncertainty, of_cell * cell_diagonal(cell_));
+        return std::min(least_uncertainty_, of_cell * cell_diagonal(cell_));
     }
 
     template <class... Args>
@@ -212,22 +230,14 @@ private:
 
     int direction(const Vec3& d) { return add("DIRECTION('',{})", reals(d)); }
 
-    // "m" has no prefix, and what is not known is taken for mm.
-    std::string_view prefix() const {
-        const std::array<std::pair<std::string_view, std::string_view>, 5> known{
-            {{"m", "$"}, {"cm", ".CENTI."}, {"um", ".MICRO."}, {"\u00b5m", ".MICRO."}, {"nm", ".NANO."}}};
-        const auto unit = std::ranges::find(known, cell_.scene.units, [](const auto& k) { return k.first; });
-        return unit == known.end() ? std::string_view(".MILLI.") : unit->second;
-    }
-
     void add_product(const std::vector<int>& solids) {
         constexpr double room = 1.2;  // what readers round
-        const int length = add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", prefix());
+        const int length = add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", unit_.prefix);
         const int angle = add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
         const int solid_angle = add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
         const int uncertainty =
             add("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#{},'distance_accuracy_value','')",
-                real(std::max(least_uncertainty, room * solid_.off)), length);
+                real(std::max(least_uncertainty_, room * solid_.off)), length);
         const int context =
             add("(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{})) "
                 "GLOBAL_UNIT_ASSIGNED_CONTEXT((#{},#{},#{})) REPRESENTATION_CONTEXT('',''))",
@@ -255,9 +265,11 @@ private:
         add("SHAPE_DEFINITION_REPRESENTATION(#{},#{})", shape, representation);
     }
 
-    static constexpr double least_uncertainty = 1e-7;  // OCCT's floor
     const JoinedParts joined_;
     const Cell& cell_;
+    const Unit unit_ = unit_of(cell_);
+    const double least_uncertainty_ =
+        1 / (1e7 * unit_.millimetres);  // OCCT's floor is 1e-7 mm, whatever the unit
     const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
     const Shell shell_ = closed_shell(cell_);
     const Solid solid_ = solid_of(shell_, cell_.faces.size(), shortest());

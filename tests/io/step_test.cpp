@@ -187,6 +187,22 @@ TEST_CASE("step: where the base runs through a corner of the box no edge is a po
     }
 }
 
+TEST_CASE("step: the uncertainty is 1e-7 mm at least, in whatever unit") {
+    Scene scene;
+    scene.base = Sphere{Vec3::Zero(), 0.25};
+    scene.objects = {Sphere{Vec3(0.5, 1, 1.25), 0.25}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    const std::map<std::string, std::string> least{
+        {"mm", "1.E-07"}, {"m", "1.E-10"}, {"cm", "1.E-08"}, {"um", "0.0001"}, {"nm", "0.1"}};
+    for (const auto& [unit, uncertainty] : least) {
+        scene.units = unit;
+        std::ostringstream out;
+        write_step(out, voronoi_cell(scene));
+        CHECK(out.str().find("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(" + uncertainty + "),") !=
+              std::string::npos);
+    }
+}
+
 TEST_CASE("spline surface: knots leave the patch where it is") {
     RationalPatch patch;
     patch.degree_u = 2;
