@@ -9,6 +9,7 @@
 #include "../../primitives/bases/cone_form.hpp"
 #include "../../primitives/bases/nested_balls.hpp"
 #include "../../primitives/bases/solids.hpp"
+#include "../../primitives/bases/world_objects.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 #include "../object_distance.hpp"
 
@@ -17,11 +18,6 @@ namespace vcell::whole {
 namespace {
 
 constexpr Image unmoved{0, 0, 0};
-
-CylinderForm tube_form_of(const auto& tube) {
-    const Vec3 a = scaled_axis(tube.axis), &p = tube.point;
-    return {p.x(), p.y(), p.z(), a.x(), a.y(), a.z(), tube.radius};
-}
 
 // What lies beyond a vessel's wall, or touches it from there, is nowhere nearer than the wall.
 bool is_beyond_wall(const Object& object, const Sphere& ball) {
@@ -32,7 +28,7 @@ bool is_beyond_wall(const Object& object, const Sphere& ball) {
     }
     if (const auto* vessel = std::get_if<HollowCylinder>(&object)) {
         const Vec3& c = ball.center;
-        return is_beside(tube_form_of(*vessel), c.x(), c.y(), c.z(), ball.radius);
+        return is_beside(world_form(*vessel), c.x(), c.y(), c.z(), ball.radius);
     }
     if (const auto* vessel = std::get_if<HollowCone>(&object))
         return !(least_distance(object, ball) + 2 * ball.radius > 0) &&
@@ -44,20 +40,20 @@ bool is_beyond_wall(const Object& object, const Sphere& ball) {
 bool is_beyond_wall(const Object& object, const Cylinder& tube) {
     if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         const Vec3& c = vessel->center;
-        return is_beside(tube_form_of(tube), c.x(), c.y(), c.z(), vessel->radius);
+        return is_beside(world_form(tube), c.x(), c.y(), c.z(), vessel->radius);
     }
     if (const auto* vessel = std::get_if<HollowCylinder>(&object))
-        return is_beside(tube_form_of(*vessel), tube_form_of(tube));
+        return is_beside(world_form(*vessel), world_form(tube));
     const auto* vessel = std::get_if<HollowCone>(&object);
-    return vessel != nullptr && is_beside(ConeForm(*vessel), tube_form_of(tube));
+    return vessel != nullptr && is_beside(ConeForm(*vessel), world_form(tube));
 }
 
 bool is_beyond_wall(const Object& object, const Plane& plane) {
     const ExactVector n(plane.normal);
     if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
         const Exact d = -dot(n, ExactVector(plane.point));
-        return is_beyond({n.x, n.y, n.z, d}, tube_form_of(*tube)) ||
-               is_beyond({-n.x, -n.y, -n.z, -d}, tube_form_of(*tube));
+        return is_beyond({n.x, n.y, n.z, d}, world_form(*tube)) ||
+               is_beyond({-n.x, -n.y, -n.z, -d}, world_form(*tube));
     }
     const auto* vessel = std::get_if<HollowSphere>(&object);
     if (vessel == nullptr) return false;
@@ -79,13 +75,13 @@ bool lies_in(const Object& holder, const Sphere& ball) {
     const Vec3& c = ball.center;
     if (const auto* tube = std::get_if<Cylinder>(&holder))
         return tube->radius >= ball.radius && least_distance(holder, Sphere{c, 0}) <= -ball.radius &&
-               contains(tube_form_of(*tube), c.x(), c.y(), c.z(), ball.radius);
+               contains(world_form(*tube), c.x(), c.y(), c.z(), ball.radius);
     const auto* plane = std::get_if<Plane>(&holder);
     return plane != nullptr && ball.radius == 0 && lies_on(*plane, c);
 }
 bool lies_in(const Object& holder, const Cylinder& tube) {
     if (const auto* outer = std::get_if<Cylinder>(&holder))
-        return contains(tube_form_of(*outer), tube_form_of(tube));
+        return contains(world_form(*outer), world_form(tube));
     const auto* plane = std::get_if<Plane>(&holder);
     return plane != nullptr && tube.radius == 0 && lies_on(*plane, tube.point) &&
            dot(ExactVector(plane->normal), ExactVector(tube.axis)).sign() == Sign::Zero;

@@ -136,8 +136,8 @@ protected:
     void hide_beyond_wall(std::uint32_t object, std::uint32_t vessel) {
         hide(object, " beyond the wall of ", site(vessel));
     }
-    /// Of two vessels the first of which holds the other one, or is held by it: leaves out the wider one, the
-    /// later one of equal ones.
+    /// Leaves out the wider one of two vessels, or the later one of equal ones, given whether the first one
+    /// holds the other one and is held by it.
     void drop_wider(std::uint32_t i, std::uint32_t j, bool holds, bool is_held);
     bool is_left_out(std::uint32_t i) const { return owner_[i] == none; }
 

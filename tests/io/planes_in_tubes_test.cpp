@@ -56,15 +56,15 @@ struct Vessel {
 // parabola, ((1 - h^2) - y^2) / (2 (1 - h)) high where h is the axis' height.
 std::vector<Vessel> lone_vessels() {
     const double lean = 0.8, height = 0.5, half_width = std::sqrt(1 - height * height);
-    // Of a parabola y^2 / (2 p) between -w and w.
+    // The arch is the parabola y^2 / (2 p) between -w and w.
     const double p = 1 - height, w = half_width,
                  arch = w * std::sqrt(1 + w * w / (p * p)) + p * std::asinh(w / p);
     // The normals of the leaning cone are across its generators, along n - (0, 0, 1) with n from the axis.
     double steepness = 0;
     constexpr int steps = 4096;
     for (int i = 0; i < steps; ++i) {
-        // Of a point of the rim by its angle about the axis: the face over a sector from the tip's foot,
-        // which is the ellipse's focus.
+        // The point of the rim is told by its angle about the axis; the face is over a sector from the tip's
+        // foot, which is the ellipse's focus.
         const double turn = 2 * half_turn * (i + 0.5) / steps;
         const Vec3 n(lean * std::cos(turn), std::sin(turn), -0.6 * std::cos(turn));
         const Vec3 rim(std::cos(turn) / lean, std::sin(turn), 0),
@@ -410,6 +410,13 @@ TEST_CASE("planes in tubes: cones around their tips that no lift has made are ce
     }
 }
 
+void check_written(const Cell& cell) {
+    std::stringstream file;
+    write_cell(file, cell);
+    const Certificate good = certify(parse_cell(file.str()));
+    CHECK_MESSAGE(good.holds(), listing(good));
+}
+
 TEST_CASE("planes in tubes: alone a floor has a cone or an arch, as large as it is by hand") {
     for (const Vessel& v : lone_vessels()) {
         CAPTURE(std::string(v.bisector));
@@ -432,10 +439,7 @@ TEST_CASE("planes in tubes: alone a floor has a cone or an arch, as large as it 
         REQUIRE(rim != cell.edges.end());
         CHECK((rim->kind == v.rim || rim->kind == CurveKind::Spline));
 
-        std::stringstream file;
-        write_cell(file, cell);
-        const Certificate good = certify(parse_cell(file.str()));
-        CHECK_MESSAGE(good.holds(), listing(good));
+        check_written(cell);
         check_mesh(cell);
         check_picture(cell);
     }
@@ -448,10 +452,7 @@ TEST_CASE("planes in tubes: cells among balls, planes, tubes and other vessels a
         const Cell cell = with_places(voronoi_cell(all[i].scene));
         check_by_distances(cell);
         CHECK(has_tip(cell) == all[i].has_tip);
-        std::stringstream file;
-        write_cell(file, cell);
-        const Certificate good = certify(parse_cell(file.str()));
-        CHECK_MESSAGE(good.holds(), listing(good));
+        check_written(cell);
         check_mesh(cell);
         check_picture(cell);
     }
