@@ -77,9 +77,8 @@ private:
         const Sign excess = (f.c - (f.b + f.b) * z - f.a * z * z).sign();
         if (problem_.family.is_circular(owner) || !problem_.family.cylinder(owner).is_hollow())
             return excess != Sign::Negative;
-        // Below the smaller root of a hollow cylinder, and not beyond the tip, behind which the other one is.
-        const ExactCylinder tube = exact_cylinder(problem_.family.cylinder(owner));
-        return excess != Sign::Positive && (tube.unit * z + tube.rho).sign() != Sign::Positive;
+        // Below the smaller root of what is hollow, and not beyond the other one.
+        return excess != Sign::Positive && (f.b + f.a * z).sign() != Sign::Positive;
     }
 };
 

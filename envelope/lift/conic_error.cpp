@@ -229,17 +229,17 @@ SpanBound trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part
 SpanBound trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
     const auto trim_row = [&](int i) { return Bernstein<3>::from([&](int k) { return part.trim[k][i]; }); };
     const Bernstein<3> U = trim_row(0), V = trim_row(1), D = trim_row(2);
-    const double eps = f.eps(), base = f.f0() + f.height().rho();
+    const double eps = f.eps(), rise = f.rise();
     const Bernstein<6> T = (eps * U + D) * V, D2 = square(D);
     const Bernstein<9> D3 = D2 * D, TV = T * V, TD = T * D, UD2 = U * D2;
     const double u = part.size_in_patch(0), v = part.size_in_patch(1), d = part.size_in_patch(2),
                  t = (eps * u + d) * v;
     const std::array<Bernstein<9>, 4> S{UD2 - 0.25 * eps * TV, TD,
-                                        f.f0() * D3 + eps * base * UD2 + f.z1() * TD + f.z2() * TV, D3};
-    const std::array size{
-        u * d * d + 0.25 * eps * t * v, t * d,
-        std::abs(f.f0()) * d * d * d + eps * base * u * d * d + std::abs(f.z1()) * t * d + f.z2() * t * v,
-        d * d * d};
+                                        f.f0() * D3 + rise * UD2 + f.z1() * TD + f.z2() * TV, D3};
+    const std::array size{u * d * d + 0.25 * eps * t * v, t * d,
+                          std::abs(f.f0()) * d * d * d + std::abs(rise) * u * d * d +
+                              std::abs(f.z1()) * t * d + std::abs(f.z2()) * t * v,
+                          d * d * d};
     const Eigen::Vector2d ex = f.turned({1, 0}), ey = f.turned({0, 1}), o = f.turned(f.origin());
     const Bernstein<2> X = part.curve.row(0), Y = part.curve.row(1), W = part.curve.weight();
     const double moved = conic_rounding * (X.largest() + Y.largest() + W.largest() * f.origin().norm()) /

@@ -24,6 +24,14 @@
 /// of radius R about the reflected axis, continued below the base: within the trace on the base that one's
 /// height is negative. So c, d, rho, s and V are those of the reflected cylinder, and heights are the
 /// negative ones. A may lie in the region, and faces around it have several patches (cylinder_sectors.hpp).
+///
+/// *Hollow cones.* Let c be the apex, S the sine of half the angle, K its cosine and rho = 0. Of the cone
+/// that is reflected in the base, S being below 0 then, with lambda = d_z - S in place of d_z,
+///
+///     f(p) = (K s - d.V) / lambda^2 - H,   grad f = (K V / s - d) / lambda,   Hess f = K t t^T / s,
+///
+/// and the tip is H = rho + S c_z / lambda below the base. For tubes S = 0 and K = 1. Where lambda would be
+/// below 0, it, S and d are turned together.
 #pragma once
 
 #include <Eigen/Core>
@@ -54,8 +62,10 @@ public:
     Jet operator()(const Eigen::Vector2d& p) const;
     /// 1; -1 of a hollow cylinder's: point(), axis() and rho() are those of the reflected one.
     double side() const { return side_; }
-    /// A. Pre: the axis is not parallel to the base.
-    Eigen::Vector2d focus() const { return c_.head<2>() - (c_.z() + rho_) / d_.z() * d_.head<2>(); }
+    /// A. Pre, here and below: no line of the wall is parallel to the base.
+    Eigen::Vector2d focus() const { return c_.head<2>() - (c_.z() + rho_) / steep_ * d_.head<2>(); }
+    /// H.
+    double depth() const { return rho_ + sine_ * c_.z() / steep_; }
 
     /// An upper bound of |Hess f| within `radius` of a point where s is known.
     double curvature_bound(double s, double radius) const;
@@ -65,25 +75,29 @@ public:
     double rho() const { return rho_; }
     const Eigen::Vector3d& point() const { return c_; }
     const Eigen::Vector3d& axis() const { return d_; }
+    double sine() const { return sine_; }      ///< S
+    double cosine() const { return cosine_; }  ///< K
+    double steep() const { return steep_; }    ///< lambda
     /// The lengths whose roundings make up the error of point(), times a few units of 2^-53.
     double reach() const { return reach_; }
 
 private:
     Eigen::Vector3d c_, d_;
-    double rho_ = 0, reach_ = 0, side_ = 1;
+    double rho_ = 0, reach_ = 0, side_ = 1, sine_ = 0, cosine_ = 1, steep_ = 0;
 };
 
 /// Coordinates (u, v) about a point p0 of the chart in which the chart and the height are polynomials, for
 /// cones and for their limit, the parabolic cylinder, alike. With e along V(p0), e' to its left, and eps =
-/// d_z / |V(p0)|, the reciprocal of the distance of A,
+/// lambda / |V(p0)|, the reciprocal of the distance of A,
 ///
 ///     p - p0 = (u - mu eps v^2 / 4) e + mu v e',    mu = 1 + eps u,
-///     f + rho = mu (f0 + rho + z1 v + z2 v^2),      z1 = grad f(p0).e',  z2 = (1 + d.e) / (4 s(p0)).
+///     f      = f0 + rise u + mu (z1 v + z2 v^2),    rise = eps (f0 + H),
+///                                                   z1 = grad f(p0).e',  z2 = (K + d.e) / (4 s(p0)).
 ///
 /// (The ray at the half angle atan(eps v / 2) about A, and on it the distance R = mu (1 + eps^2 v^2 / 4) /
-/// eps, on which f + rho depends linearly.) Lengths near p0; (u, v) is oriented like the chart. For an axis
-/// parallel to the base eps = 0: (u, v) is the chart turned. Of a hollow cylinder's f is that of the
-/// reflected one.
+/// eps, on which f + H depends linearly.) Lengths near p0; (u, v) is oriented like the chart. For a wall
+/// with a line parallel to the base eps = 0: (u, v) is the chart turned. What is hollow has the f of what is
+/// reflected.
 class CylinderFrame {
 public:
     CylinderFrame() = default;
@@ -95,6 +109,8 @@ public:
     const Eigen::Vector2d& direction() const { return e_; }  ///< e
     double eps() const { return eps_; }
     double f0() const { return f0_; }
+    double fall() const { return fall_; }  ///< eps H
+    double rise() const { return eps_ * f0_ + fall_; }
     double z1() const { return z1_; }
     double z2() const { return z2_; }
     double mu(double u) const { return 1 + eps_ * u; }
@@ -119,7 +135,7 @@ public:
 private:
     CylinderHeight height_;
     Eigen::Vector2d origin_, e_;
-    double eps_ = 0, f0_ = 0, z1_ = 0, z2_ = 0;
+    double eps_ = 0, f0_ = 0, fall_ = 0, z1_ = 0, z2_ = 0;
 };
 
 }  // namespace vcell

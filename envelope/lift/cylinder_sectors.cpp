@@ -116,14 +116,14 @@ void CylinderSectors::add_face(const PlaneDiagram& of, const FaceLoops& loops, F
     }
     const CylinderHeight height(form, mean);
     const Vector2d A = height.focus();
-    const double steep = height.axis().z(),
+    const double steep = height.steep(),
                  error = 64 * std::numeric_limits<double>::epsilon() * (A.norm() + height.reach() / steep);
     loops.around(face, [&](EdgeId e, bool) {
         if (!may_pass(diagram_, e, A, error)) return;
         throw UndecidedError(
             "object " + to_string(of.main_site(id)) +
             ": an edge of its face may run through the tip of its bisector at " +
-            to_text(Vec3(of.problem.unit * of.problem.frame.to_world({A.x(), A.y(), height.rho()}))));
+            to_text(Vec3(of.problem.unit * of.problem.frame.to_world({A.x(), A.y(), height.depth()}))));
     });
     const Round round = round_of(loops, face, A);
     holds_tip_[face] = std::lround(round.turn / (2 * pi)) == 1;

@@ -130,8 +130,8 @@ public:
         sites.insert(sites.end(), through.begin(), through.end());
     }
 
-    // The cone over a cylinder is circular when its axis is: a quadric x^2 + y^2 = (d.X)^2 has the
-    // eigenvalues 1 and +-d_z.
+    // The cone over a cylinder is circular when its axis is: a quadric K^2 (x^2 + y^2) = (d.X)^2 has the
+    // eigenvalue K^2, and no other one is that unless d is upright.
     const char* bisector(FormId form) const {
         if (!of_.main_site(form).is_object()) return "box";
         if (diagram_.is_circular(form)) return diagram_.forms[form].k != 0 ? "paraboloid" : "plane";
@@ -228,8 +228,8 @@ private:
             if (!diagram_.cylinders[i].is_hollow() || problem_.axes[i] == AxisToBase::Parallel) continue;
             const CylinderHeight height(diagram_.cylinders[i], Eigen::Vector2d::Zero());
             const FormId form{static_cast<std::uint32_t>(diagram_.forms.size()) + i};
-            add_top(form, height.focus(), height.rho(), height.reach() / height.axis().z(), height.rho(),
-                    highest);
+            add_top(form, height.focus(), height.depth(), height.reach() / height.steep(),
+                    std::abs(height.depth()), highest);
         }
     }
 

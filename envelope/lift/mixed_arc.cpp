@@ -32,34 +32,38 @@ using roundoff::u;
 SectionPlane graph(const ExactForm& f) { return {-f.A, -f.B, f.W, f.C}; }
 SectionPlane wall(const RegionSide& side) { return {side.a, side.b, 0.0, -side.c}; }
 
-// a_z (the plane's k + nz rho - n.(p, 0)) + (rho + p_z) n.a: kappa but for a positive factor and the sign of
-// a_z. Times the square of the form's unit.
+// lambda (the plane's k + nz H - n.(p, 0)) + (rho + p_z) n.a: kappa but for a positive factor and the sign of
+// lambda. Times the square of the form's unit.
 Exact apex_offset(const ExactCylinder& f, const SectionPlane& s) {
-    return f.az * (f.unit * s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) +
+    return f.steep * (f.unit * s.k + s.nz * f.rho - s.nx * f.px - s.ny * f.py) + s.nz * f.sine * f.pz +
            (f.rho + f.pz) * (s.nx * f.ax + s.ny * f.ay);
 }
 
-// Does a plane run along an axis that is parallel to the base? What rounding leaves of its height when the
-// base turns does not count: the base itself does.
+// Does a plane run along an axis that is parallel to the base, or whose cone has a line on its wall that is?
+// Lines on the bisector are along the axis, too. What rounding leaves of lambda when the base turns does not
+// count: the base itself does.
 bool is_along(const SectionPlane& s, const CylinderForm& form) {
-    return (s.nx * Exact(form.ax) + s.ny * Exact(form.ay)).sign() == Sign::Zero;
+    return (s.nx * Exact(form.ax) + s.ny * Exact(form.ay) + s.nz * Exact(form.sine)).sign() == Sign::Zero;
 }
 
 // A section that does not pass through the apex, of a cylinder whose axis lies so to the base.
 CurveKind section_kind(ExactCylinder f, AxisToBase axis, const SectionPlane& s) {
-    if (axis == AxisToBase::Parallel) f.az = Exact();
+    if (axis == AxisToBase::Parallel) {
+        f.az = f.sine;
+        f.steep = Exact();
+    }
     if (axis == AxisToBase::Upright) f.ax = f.ay = Exact();
-    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
-    const Exact ex = s.nz * f.ax - s.nx * f.az, ey = s.nz * f.ay - s.ny * f.az;
-    switch ((ex * ex + ey * ey - s.nz * s.nz * norm).sign()) {
+    const Exact M = f.ax * f.ax + f.ay * f.ay + f.az * f.az - f.sine * f.sine;
+    const Exact ex = s.nz * f.ax - s.nx * f.steep, ey = s.nz * f.ay - s.ny * f.steep;
+    switch ((ex * ex + ey * ey - s.nz * s.nz * M).sign()) {
         case Sign::Positive: return CurveKind::Hyperbola;
         case Sign::Zero: return CurveKind::Parabola;
         case Sign::Negative: break;
     }
-    // About the apex the cone is x^2 + y^2 = (d.X)^2: a circle where that form is a multiple of the metric on
-    // the plane's directions (nz, 0, -nx) and (0, nz, -ny).
+    // About the apex the cone is K^2 (x^2 + y^2) = (d.X)^2: a circle where that form is a multiple of the
+    // metric on the plane's directions (nz, 0, -nx) and (0, nz, -ny).
     const Exact zz = s.nz * s.nz;
-    const Exact m11 = norm * zz - ex * ex, m12 = -(ex * ey), m22 = norm * zz - ey * ey;
+    const Exact m11 = M * zz - ex * ex, m12 = -(ex * ey), m22 = M * zz - ey * ey;
     const Exact g11 = zz + s.nx * s.nx, g12 = s.nx * s.ny, g22 = zz + s.ny * s.ny;
     return m11 * g22 == m22 * g11 && m11 * g12 == m12 * g11 ? CurveKind::Circle : CurveKind::Ellipse;
 }
@@ -114,9 +118,7 @@ ConicTrim conic_trim(const PlaneParameters& parameters, const ConicSpan& span) {
 
 // What a hollow cylinder and a plane are reflected to in the base, where the solid one has the patch.
 ExactCylinder reflected(ExactCylinder f) {
-    f.pz = -f.pz;
-    f.az = -f.az;
-    f.rho = -f.rho;
+    for (Exact* number : {&f.pz, &f.az, &f.rho, &f.sine, &f.steep}) *number = -*number;
     return f;
 }
 
@@ -135,7 +137,8 @@ public:
         through_apex_ = offset.sign() == Sign::Zero;
         const double axis = Vector3d(form.ax, form.ay, form.az).stableNorm();
         const double s0 = frame.height()(frame.origin()).s, unit = nearest(exact.unit);
-        kappa_ = (exact.az.sign() == Sign::Negative ? -1 : 1) * nearest(offset) / (unit * unit * axis * s0);
+        kappa_ =
+            (exact.steep.sign() == Sign::Negative ? -1 : 1) * nearest(offset) / (unit * unit * axis * s0);
         B_ = normal_.z() * frame.z2() - frame.turned(normal_.head<2>()).x() * frame.eps() / 4;
     }
 
@@ -151,8 +154,7 @@ public:
                          (f.turned(normal_.head<2>()).y() + normal_.z() * f.z1() + B_ * v) * v,
                      u = -N / (f.eps() * N + kappa_), mu = f.mu(u);
         const Vector2d p = f.origin() + f.turned_back({u - mu * f.eps() * v * v / 4, mu * v});
-        const double rho = f.height().rho(),
-                     z = f.height().side() * (mu * (f.f0() + rho + (f.z1() + f.z2() * v) * v) - rho);
+        const double z = f.height().side() * (f.f0() + f.rise() * u + mu * (f.z1() + f.z2() * v) * v);
         return {p.x(), p.y(), z, z};
     }
 
@@ -167,8 +169,7 @@ public:
                      v = 0.5 * (from.y() + to.y()), vv = from.y() * to.y();
         const double m = 0.5 * (m0 + m2) - f.eps() * bend, n = 0.5 * (from.x() * m0 + to.x() * m2) + bend;
         const Vector2d p = m * f.origin() + f.turned_back({n - f.eps() * vv / 4, v});
-        const double z = f.height().side() *
-                         (f.f0() + f.height().rho() * f.eps() * n + f.z1() * v + f.z2() * vv),
+        const double z = f.height().side() * (f.f0() + f.fall() * n + f.z1() * v + f.z2() * vv),
                      scale = 1 / std::sqrt(m0 * m2);
         return {a, scale * Vector4d(p.x(), p.y(), z, z), b, scale * m};
     }
@@ -176,7 +177,8 @@ public:
     // How far spans are from it: around the cylinder, whose axis is the y axis then.
     double distance(std::span<const ConicSpan> spans) const {
         const Vector3d &c = frame_.height().point(), &d = frame_.height().axis();
-        const double rho = frame_.height().rho(), norm = normal_.norm();
+        const double rho = frame_.height().rho(), norm = normal_.norm(), S = frame_.height().sine(),
+                     K = frame_.height().cosine();
         const Eigen::Matrix3d turn =
             Eigen::Quaterniond::FromTwoVectors(d, Vector3d::UnitY()).toRotationMatrix();
         const double side = frame_.height().side();
@@ -184,15 +186,18 @@ public:
         const auto moved = [&](const Vector4d& X, double w) -> Vector4d {
             far = std::max(far, X.norm() / w);
             Vector4d result;
-            result << turn * (Vector3d(X.x(), X.y(), side * X.z()) - w * c), side * X.w() + w * rho;
+            result << turn * (Vector3d(X.x(), X.y(), side * X.z()) - w * c), 0;
+            result.w() = w * rho + (side * X.w() - S * result.y()) / K;
             return result;
         };
         std::vector<ConicSpan> around;
         for (const ConicSpan& s : spans)
             around.push_back({moved(s.from, 1), moved(s.middle, s.weight), moved(s.to, 1), s.weight});
-        DistancePlane base{{0, 0, 0, -std::sqrt(0.5)}, -std::sqrt(0.5) * (rho + c.z()), 0},
+        const double half_square = 1 - S * d.z(), scale = std::sqrt(0.5 / half_square);
+        DistancePlane base{Vector4d::Zero(), -scale * (rho + c.z()),
+                           -S * frame_.height().steep() / half_square},
             plane{Vector4d::Zero(), (k_ - normal_.dot(c)) / norm, 1};
-        base.normal.head<3>() = std::sqrt(0.5) * turn.col(2);
+        base.normal << scale * (turn.col(2) - S * Vector3d::UnitY()), -scale * K;
         plane.normal.head<3>() = turn * normal_ / norm;
         return conic_distance(around, {base, plane}, around_axis, 32 * u * far);
     }
@@ -410,8 +415,9 @@ SpaceSite MixedArcs::space_site_beside(const PlaneBaseProblem& problem, EdgeId e
     const CylinderForm& form = problem.family.cylinder(f);
     const FaceId face = diagram_.face(e, side);
     const Vec3 point(form.px, form.py, form.pz), axis(form.ax, form.ay, form.az);
-    SpaceSite site{form.is_hollow() ? Object(HollowCylinder{point, axis, -form.rho})
-                                    : Object(Cylinder{point, axis, form.rho}),
+    SpaceSite site{form.is_cone()     ? Object(HollowCone{point, axis, form.sine, axis.stableNorm()})
+                   : form.is_hollow() ? Object(HollowCylinder{point, axis, -form.rho})
+                                      : Object(Cylinder{point, axis, form.rho}),
                    false,
                    {}};
     if (!sectors_->is_cut(face)) site.parts.push_back({.patch = sectors_->frame(face).coordinates()});

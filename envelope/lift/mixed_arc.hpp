@@ -6,19 +6,19 @@
 /// With the plane n.X = k in the patch's coordinates (cylinder_patch.hpp), n = (n1, n2, nz) in the frame
 /// about p0 and k0 = k - n.(p0, 0),
 ///
-///     N(v) + u M(v) = 0,   M = eps N + kappa,   kappa = n1 + eps (nz rho + k0),
+///     N(v) + u M(v) = 0,   M = eps N + kappa,   kappa = n1 + eps (nz H + k0),
 ///     N = nz f0 - k0 + (n2 + nz z1) v + B v^2,  B = nz z2 - n1 eps / 4:
 ///
 /// u is a quotient of quadratics in v and mu = kappa / M, so the curve in space and its chart curve are
 /// rational quadratics in v, and its trim (u, v) a rational cubic (edge_trims.hpp). Only the ends and bend =
 /// B (v1 - v0)^2 / (2 kappa) enter. kappa is nz times the height of the plane over the apex, less the apex's;
 /// it is taken from exact numbers, and 0 where the plane passes through the apex: then the arc lies on a
-/// ruling. The chart curve has a focus in A and eccentricity |d_z grad g + d| for the plane's height g, whose
-/// comparison with 1 names the conic.
+/// ruling. The chart curve has a focus in A and eccentricity |lambda grad g + d| / K for the plane's height
+/// g, whose comparison with 1 names the conic.
 ///
 /// *Errors.* Which of the three is the base does not matter to an arc: with the cylinder as the base, r the
 /// distance from its axis, the other two are met where linear functions of (p, r) have their values, the base
-/// plane where z - r does, and conic_error.hpp has the distance.
+/// plane where z - r does, or z - S d.(p - c) - K r around a cone, and conic_error.hpp has the distance.
 #pragma once
 
 #include <cstddef>

@@ -193,7 +193,7 @@ void add_wall(const CircularForm& f, const ArcSpan& segment, BoundedSum& area) {
 
 // ---- Clearances -------------------------------------------------------------------------------------
 
-// f = (s - d.V) / d_z^2 - rho, or its stable form, of what point() and p are rounded to.
+// f = (K s - d.V) / lambda^2 - H, or its stable form, of what point() and p are rounded to.
 double height_error(const CylinderHeight& f, const CylinderHeight::Jet& jet, const Vector2d& p) {
     const double reach = f.reach() + p.norm() + std::abs(jet.value) + f.rho();
     return boundary_rounding / 4 * reach * (1 + jet.gradient.norm());
@@ -353,8 +353,9 @@ private:
                 slope = std::max(slope, gradient(diagram_.forms[form], p.head<2>()).norm());
             return slope;
         }
-        // The gradient (V / s - d) / d_z is longest where V / s, which is nowhere between the control points
-        // beyond all of theirs, is farthest from d: at one of them, unless it turns through -d between them.
+        // The gradient (K V / s - d) / lambda is longest where V / s, which is nowhere between the control
+        // points beyond all of theirs, is farthest from d: at one of them, unless it turns through -d between
+        // them.
         const CylinderHeight& f = mixed_.frame(diagram_.dcel.face(Dcel::half_edge(e, side))).height();
         const Vector2d d = f.axis().head<2>();
         bool is_ahead = true, is_left = true, is_right = true;

@@ -72,35 +72,36 @@ struct CircularIntegrand {
 
 // ---- Cylinders --------------------------------------------------------------------------------------
 
-// With Z = f0 + rho + z1 v + z2 v^2 and J = 1 + eps^2 v^2 / 4 the antiderivatives in u are
-//     height:   integral of (mu Z - rho) mu J du
-//                 = J ((Z - rho)(u + eps u^2 + eps^2 u^3 / 3) + rho (eps u^2 / 2 + eps^2 u^3 / 3)),
+// With Z = f0 + z1 v + z2 v^2, so that f = mu Z + eps H u, and J = 1 + eps^2 v^2 / 4 the antiderivatives in u
+// are
+//     height:   integral of (mu Z + eps H u) mu J du
+//                 = J (Z (u + eps u^2 + eps^2 u^3 / 3) + eps H (u^2 / 2 + eps u^3 / 3)),
 //     chart:    J (u + eps u^2 / 2),      surface: |D| (u + eps u^2 / 2)
 // where D is the cross product of the patch's derivatives P_u and P_v / mu:
-//     P_u = (1 - eps^2 v^2 / 4, eps v, eps Z),   P_v / mu = (-eps v / 2, 1, z1 + 2 z2 v).
+//     P_u = (1 - eps^2 v^2 / 4, eps v, eps (Z + H)),   P_v / mu = (-eps v / 2, 1, z1 + 2 z2 v).
 // A span's points are about the frame's origin and turned into its axes, each rounded by up to u times `far`:
 // along the cylinder's axis y hardly changes, which no bound of the other coordinates would tell.
 struct CylinderIntegrand {
     double far;
-    double eps, f0, z1, z2, rho, side;
+    double eps, f0, fall, z1, z2, side;  // fall = eps H
 
     CylinderIntegrand(const CylinderFrame& f, double far)
         : far(far),
           eps(f.eps()),
           f0(f.f0()),
+          fall(f.fall()),
           z1(f.z1()),
           z2(f.z2()),
-          rho(f.height().rho()),
           side(f.height().side()) {}
 
     template <class T>
     std::array<T, 3> in_parameters(const T& u, const T& v, const T& v1) const {
         const T eu = T(eps) * u, ev = T(eps) * v;
-        const T Zr = T(f0) + (T(z1) + T(z2) * v) * v, Z = Zr + T(rho);
+        const T Z = T(f0) + (T(z1) + T(z2) * v) * v;
         const T J = T(1.0) + T(0.25) * ev * ev, half = u * (T(1.0) + T(0.5) * eu);
         const T cubic = T(1.0 / 3) * eu * eu;
-        const T volume = J * (Zr * u * (T(1.0) + eu + cubic) + T(rho) * u * (T(0.5) * eu + cubic));
-        const T ux = T(1.0) - T(0.25) * ev * ev, uy = ev, uz = T(eps) * Z;
+        const T volume = J * u * (Z * (T(1.0) + eu + cubic) + T(fall) * u * (T(0.5) + T(1.0 / 3) * eu));
+        const T ux = T(1.0) - T(0.25) * ev * ev, uy = ev, uz = T(eps) * Z + T(fall);
         const T vx = T(-0.5) * ev, vz = T(z1) + T(2 * z2) * v;
         const T nx = uy * vz - uz, ny = uz * vx - ux * vz;
         return {T(side) * volume * v1, J * half * v1, sqrt(nx * nx + ny * ny + J * J) * half * v1};
@@ -123,47 +124,53 @@ struct CylinderIntegrand {
         const double noise = u * far / term_rounding;
         const double v = (std::abs(y) + noise) / mu, U = std::abs(x) + eps * v * v * mu / 4 + noise;
         const double v1 = step.norm() * (1 + eps * v) / mu;
-        const double Zr = std::abs(f0) + (std::abs(z1) + z2 * v) * v, eu = eps * U, ev = eps * v;
+        const double Z = std::abs(f0) + (std::abs(z1) + std::abs(z2) * v) * v, eu = eps * U, ev = eps * v;
         const double J = 1 + ev * ev, half = U * (1 + eu);
-        const double slope = eps * (Zr + rho) + std::abs(z1) + 2 * z2 * v;
-        return {J * U * (Zr * (1 + eu + eu * eu) + rho * (eu + eu * eu)) * v1, J * half * v1,
+        const double slope = eps * Z + std::abs(fall) + std::abs(z1) + 2 * std::abs(z2) * v;
+        return {J * U * (Z * (1 + eu + eu * eu) + std::abs(fall) * U * (1 + eu)) * v1, J * half * v1,
                 J * (1 + slope) * half * v1};
     }
 };
 
-// About the cone's tip instead, over whose projection A the height is -rho (of what a hollow one is reflected
-// to: it has the other sign): with q = p - A, R = |q| and the direction n of q, f + rho = h(n) R and the
-// surface's stretch sqrt(2 (1 - n.d)) / d_z are known along each ray, and what lies between A and the span is
-//     height:  (h R / 3 - rho / 2) q x q',    chart:  q x q' / 2,    surface: stretch q x q' / 2.
+// About the cone's tip instead, over whose projection A the height is -H (of what a hollow one is reflected
+// to: it has the other sign): with q = p - A, R = |q| and the direction n of q, f + H = (K - n.d) R / lambda
+// and the surface's stretch sqrt(lambda^2 + |K n - d|^2) / lambda are known along each ray, and what lies
+// between A and the span is
+//     height:  ((f + H) / 3 - H / 2) q x q',    chart:  q x q' / 2,    surface: stretch q x q' / 2.
+// Of a tube K = 1, and under the root is 2 (1 - n.d).
 // Points and A are rounded by up to u times `far`.
 struct ConeIntegrand {
     double far;
     Vector2d d;
-    double d_z, rho, side;
+    double K, steep, depth, side;
+    double wide;  // lambda^2 + |d|^2 - K^2
 
     /// Of spans about A.
     ConeIntegrand(const CylinderHeight& height, double far)
         : far(far),
           d(height.axis().head<2>()),
-          d_z(height.axis().z()),
-          rho(height.rho()),
-          side(height.side()) {}
+          K(height.cosine()),
+          steep(height.steep()),
+          depth(height.depth()),
+          side(height.side()),
+          wide(-2 * height.sine() * height.steep()) {}
 
     template <class T>
     std::array<T, 3> operator()(const SpanPoint<T>& p) const {
         const T R = sqrt(p.x * p.x + p.y * p.y), turn = p.x * p.y1 - p.y * p.x1;
-        const T aslant = T(1.0) - (T(d.x()) * p.x + T(d.y()) * p.y) / R;
-        return {(T(side / (3 * d_z)) * aslant * R - T(0.5 * side * rho)) * turn, T(0.5) * turn,
-                T(std::numbers::sqrt2 / (2 * d_z)) * sqrt(aslant) * turn};
+        const T aslant = T(K) - (T(d.x()) * p.x + T(d.y()) * p.y) / R;
+        return {(T(side / (3 * steep)) * aslant * R - T(0.5 * side * depth)) * turn, T(0.5) * turn,
+                T(std::numbers::sqrt2 / (2 * steep)) * sqrt(T(K) * aslant + T(0.5 * wide)) * turn};
     }
     std::array<double, 3> sizes(const SpanPoint<double>& p) const {
         const double step = std::hypot(p.x1, p.y1), noise = u * far / term_rounding,
                      R = std::hypot(p.x, p.y) + noise;
         // The difference has the rounding of 1; and the direction turns with A.
-        const double aslant = 1 - (d.x() * p.x + d.y() * p.y) / R + 1.0 / 32;
-        const double stretch = sqrt(2 * aslant) / d_z, turning = d.norm() / (d_z * d_z);
-        return {(aslant * R / (3 * d_z) + noise * turning + 0.5 * rho) * R * step, 0.5 * R * step,
-                0.5 * (stretch * R + turning * noise) * step};
+        const double aslant = std::abs(K - (d.x() * p.x + d.y() * p.y) / R) + 1.0 / 32;
+        const double stretch = sqrt(2 * aslant + std::abs(wide)) / steep,
+                     turning = d.norm() / (steep * steep);
+        return {(aslant * R / (3 * steep) + noise * turning + 0.5 * std::abs(depth)) * R * step,
+                0.5 * R * step, 0.5 * (stretch * R + turning * noise) * step};
     }
 };
 
@@ -200,11 +207,11 @@ FaceIntegrals face_integrals(const CylinderFrame& frame, double extent, ControlP
     for (const Eigen::Vector4d& p : span) far = std::max(far, p.head<2>().norm() + frame.origin().norm());
     const CylinderHeight& height = frame.height();
     if (frame.eps() * extent > 0.5) {
-        const double along = (height.point().z() + height.rho()) / height.axis().z();
+        const double along = (height.point().z() + height.rho()) / height.steep();
         const Vector2d tip = height.focus();
         for (Eigen::Vector4d& p : moved) p.head<2>() -= tip;
         return integrals(
-            ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.axis().z())),
+            ConeIntegrand(height, 4 * (far + (height.reach() + std::abs(along)) / height.steep())),
             power_span(moved));
     }
     for (Eigen::Vector4d& p : moved) p.head<2>() = frame.turned(p.head<2>() - frame.origin());

@@ -3,7 +3,8 @@
 /// Over a face of a cylinder, in the coordinates (u, v) of its patch, area elements of the chart and of the
 /// surface and the height are polynomials in u, or polynomials times functions of v alone:
 ///
-///     dx dy = mu (1 + eps^2 v^2 / 4) du dv,   f + rho = mu Z(v),   dA = mu |D(v)| du dv,   mu = 1 + eps u.
+///     dx dy = mu (1 + eps^2 v^2 / 4) du dv,   f = f0 + rise u + mu W(v),   dA = mu |D(v)| du dv,
+///     mu = 1 + eps u.
 ///
 /// Their antiderivatives in u turn the integrals into boundary integrals dv (Green), for span_integrals.hpp.
 /// Near the cone's tip, where mu = 0, directions about it take the place of (u, v).

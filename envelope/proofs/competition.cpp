@@ -91,13 +91,15 @@ std::optional<FormId> Competition::certainly_lowest(const IntervalPoint& p,
 }
 
 bool Competition::is_met(FormId f, const Interval& x, const Interval& y) const {
+    const FormFamily& family = heights_.family();
     const Interval height = heights_.value(f, x, y);
-    const auto is_below_tip = [&](const CylinderForm& c) {
-        constexpr double rounding = 0x1p-50;  // a form's numbers are within 4 u of the exact ones
-        return !c.is_hollow() || height.upper() < (1 - rounding) * -c.rho;
-    };
-    return height.sign() == heights_.family().compared_over().sign_of_met() &&
-           std::ranges::all_of(heights_.family().cylinders, is_below_tip);
+    if (height.sign() != family.compared_over().sign_of_met()) return false;
+    for (std::uint32_t i = 0; i < family.cylinders.size(); ++i) {
+        if (!family.cylinders[i].is_hollow()) continue;
+        const FormId hollow{static_cast<std::uint32_t>(family.forms.size()) + i};
+        if (heights_.root_at(hollow, x, y, height).sign() != Sign::Negative) return false;
+    }
+    return true;
 }
 
 bool Competition::is_well_known(const Eigen::Vector2d& p, double error, std::span<const FormId> forms,

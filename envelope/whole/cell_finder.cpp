@@ -106,10 +106,8 @@ DecidedDiagram::DecidedDiagram(ScenePart part) : part_(std::move(part)) {
 
 void DecidedDiagram::index() {
     lattice_ = Lattice(part_.scene);
-    for (std::uint32_t i = 0; i < part_.scene.objects.size(); ++i) {
+    for (std::uint32_t i = 0; i < part_.scene.objects.size(); ++i)
         if (!is_ball(i) && part_.hidden[i].empty()) others_.push_back(i);
-        has_cones_ = has_cones_ || std::holds_alternative<HollowCone>(part_.scene.objects[i]);
-    }
     std::vector<BallTree::Entry> balls = balls_of(part_.scene);
     std::erase_if(balls, [&](const BallTree::Entry& e) { return !part_.hidden[e.number].empty(); });
     balls_ = ImageTree(lattice_, std::move(balls));

@@ -57,10 +57,7 @@ public:
     }
     bool is_ball(std::uint32_t i) const { return std::holds_alternative<Sphere>(scene().objects[i]); }
     const Sphere& ball(std::uint32_t i) const { return std::get<Sphere>(scene().objects[i]); }
-    bool is_wall(std::uint32_t i) const {
-        const Object& object = scene().objects[i];
-        return is_vessel(object) || (has_cones_ && std::holds_alternative<Plane>(object));
-    }
+    bool is_wall(std::uint32_t i) const { return is_vessel(scene().objects[i]); }
     /// Are all objects balls, and do cells end nowhere but between them and at the box?
     bool is_simple() const { return others_.empty() && !scene().probe; }
     /// Objects that are no balls and are not hidden, ascending.
@@ -114,7 +111,6 @@ private:
     ScenePart part_;
     Lattice lattice_;
     std::vector<std::uint32_t> others_;
-    bool has_cones_ = false;  // hollow
     ImageTree balls_;
 };
 

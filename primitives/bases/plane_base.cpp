@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -74,11 +73,23 @@ bool are_on_one_normal(const FormSource& f, const FormSource& g, const Vec3& nor
         .is_zero();
 }
 
-AxisToBase axis_to_base(const Vec3& of_tube, const Vec3& of_base) {
-    const ExactVector axis(of_tube), normal(of_base);
-    return dot(axis, normal).sign() == Sign::Zero ? AxisToBase::Parallel
-           : cross(axis, normal).is_zero()        ? AxisToBase::Upright
-                                                  : AxisToBase::Oblique;
+AxisToBase axis_to_base(const Object& object, const Vec3& of_base) {
+    const ExactVector normal(of_base);
+    const auto lean = [&](const Vec3& of_object, bool is_parallel) {
+        return is_parallel                                       ? AxisToBase::Parallel
+               : cross(ExactVector(of_object), normal).is_zero() ? AxisToBase::Upright
+                                                                 : AxisToBase::Oblique;
+    };
+    if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        // A line of the wall is at right angles to the normal where n.a / (|n| |a|) is the sine |a| / g.
+        const ConeForm form(*cone);
+        const Exact rise = form.g * dot(form.a, normal);
+        return lean(cone->axis,
+                    rise.sign() == Sign::Positive && rise * rise == form.N * form.N * dot(normal, normal));
+    }
+    const auto* hollow = std::get_if<HollowCylinder>(&object);
+    const Vec3& axis = hollow != nullptr ? hollow->axis : std::get<Cylinder>(object).axis;
+    return lean(axis, dot(ExactVector(axis), normal).sign() == Sign::Zero);
 }
 
 // Where a plane with signs at the region's corners, that are not all of one kind, touches or cuts one of its
@@ -130,23 +141,10 @@ public:
     PlaneBaseProblem build() {
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
             if (!scene_.competes(i)) continue;
-            if (const auto* sphere = std::get_if<Sphere>(&scene_.objects[i]))
-                add(i, *sphere);
-            else if (const auto* plane = std::get_if<Plane>(&scene_.objects[i]))
-                add(i, *plane);
-            else if (const auto* cylinder = std::get_if<Cylinder>(&scene_.objects[i]))
-                add(i, *cylinder);
-            else if (const auto* vessel = std::get_if<HollowSphere>(&scene_.objects[i]))
-                add(i, *vessel);
-            else if (const auto* tube = std::get_if<HollowCylinder>(&scene_.objects[i]))
-                add(i, *tube);
-            else
-                objects_.fail(
-                    Kind::Unsupported, i,
-                    "is a hollow cone, which bounds the cells of balls and cylinders: the base is a plane");
+            std::visit([&](const auto& object) { add(i, object); }, scene_.objects[i]);
         }
         if (objects_.cylinders.size() > 0) drop_hidden();
-        objects_.drop_wider_cylinders();
+        objects_.drop_wider_tubes_and_cones();
         make_forms();
         add_cylinders();
         sites_.settle();
@@ -174,11 +172,11 @@ public:
                 base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         problem.floor = std::move(floor_);
         problem.family.forms = std::move(forms_);
-        for_tubes([&](std::uint32_t i) {
-            if (!objects_.is_kept(i)) return;
+        for (const std::uint32_t i : tubes_) {
+            if (!objects_.is_kept(i)) continue;
             problem.family.cylinders.push_back(form_of(i));
-            problem.axes.push_back(axis_to_base(tube_of(scene_.objects[i]).axis, base_.normal));
-        });
+            problem.axes.push_back(axis_to_base(scene_.objects[i], base_.normal));
+        }
         problem.on_one_normal = [sources = sources_, normal = base_.normal](FormId f, FormId g) {
             return are_on_one_normal((*sources)[f], (*sources)[g], normal);
         };
@@ -294,17 +292,7 @@ private:
         return world_corners_;
     }
 
-    // Those that are hollow, too, in the order of objects.
-    template <class Use>
-    void for_tubes(Use&& use) const {
-        std::vector<std::uint32_t> all;
-        std::ranges::merge(objects_.cylinders.objects, objects_.hollow_cylinders.objects,
-                           std::back_inserter(all));
-        for (const std::uint32_t i : all) use(i);
-    }
-    CylinderForm form_of(std::uint32_t tube) const {
-        return placed_cylinder(*frame_, tube_of(scene_.objects[tube]));
-    }
+    CylinderForm form_of(std::uint32_t tube) const { return placed_form(*frame_, scene_.objects[tube]); }
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm form = form_of(i);
@@ -320,13 +308,14 @@ private:
         if (region_.lowest(trace, smallest_coefficient) == Sign::Negative)
             objects_.fail(Kind::OutOfRange, i,
                           "is so close to the base that its height leaves the range of doubles");
-        check_slope(form, i);
+        add_tube(form, i);
         objects_.cylinders.add(world_form(cylinder), i);
     }
-    void check_slope(const CylinderForm& form, std::uint32_t object) const {
-        if (form.az != 0 && std::abs(form.az) < smallest_slope)
+    void add_tube(const CylinderForm& form, std::uint32_t object) {
+        if (const double steep = form.steep(); steep != 0 && std::abs(steep) < smallest_slope)
             objects_.fail(Kind::OutOfRange, object,
                           "is so nearly parallel to the base that its height leaves the range of doubles");
+        tubes_.push_back(object);
     }
 
     // The wall is reached above the base points in the tube: within its trace, an ellipse, or a strip where
@@ -337,8 +326,18 @@ private:
         if (region_.lowest(trace, Exact()) != Sign::Negative)
             fail_empty("holds none of the base plane within the wall of " + object_path(scene_, i));
         is_cut_by_vessel_ = is_cut_by_vessel_ || !region_.lies_within(trace);
-        check_slope(form, i);
+        add_tube(form, i);
         objects_.hollow_cylinders.add(world_form(vessel), i);
+    }
+    // Likewise: the trace is that of any plane on a cone.
+    void add(std::uint32_t i, const HollowCone& vessel) {
+        const CylinderForm form = form_of(i);
+        const CylinderTrace trace = trace_on_base(form);
+        if (!region_.meets_cone(trace))
+            fail_empty("holds none of the base plane within the wall of " + object_path(scene_, i));
+        is_cut_by_vessel_ = is_cut_by_vessel_ || !region_.lies_in_cone(trace);
+        add_tube(form, i);
+        objects_.hollow_cones.add(ConeForm(vessel), i);
     }
 
     void drop_hidden() {
@@ -482,13 +481,13 @@ private:
     // Cylinders come after the circular forms, the floor among them, in the order of their objects.
     void add_cylinders() {
         std::map<std::uint32_t, FormId> forms;
-        for_tubes([&](std::uint32_t object) {
+        for (const std::uint32_t object : tubes_) {
             const std::uint32_t owner = objects_.owner(object);
             if (owner == object)
                 forms[object] = sites_.add(objects_.site(object));
             else if (owner != WorldObjects::none)
                 sites_.join(forms[owner], objects_.site(object));
-        });
+        }
     }
 
     const Scene& scene_;
@@ -504,6 +503,7 @@ private:
     WorldObjects objects_;                          // planes with the region on the positive side
     std::vector<HalfSpaceOverBase> placed_planes_;  // in canonical coordinates
     WorldObjects::Listed<Ball> vessels_;            // hollow
+    std::vector<std::uint32_t> tubes_;              // and hollow cones, ascending
     bool is_cut_by_vessel_ = false;                 // the base region
     bool planes_turn_ = false;                      // with the base
 

@@ -35,8 +35,8 @@ struct PlaneBaseProblem : BaseProblem {
     /// Of corner i: the sides of the box that run through it in the scene as it is; three where the base
     /// plane runs through a corner of the box.
     std::vector<std::vector<Site>> corner_sites;
-    /// How the axis of each of family.cylinders lies to the base, in the scene as it is: forms are exact
-    /// about a base that may have turned a little.
+    /// How the axis of each of family.cylinders lies to the base, of a cone's Parallel if a line of the wall
+    /// is: in the scene as it is; forms are exact about a base that may have turned a little.
     std::vector<AxisToBase> axes;
     /// Are the centres of two forms' balls on one normal of the base? Likewise.
     std::function<bool(FormId, FormId)> on_one_normal;
@@ -65,9 +65,9 @@ struct PlaneBaseProblem : BaseProblem {
     }
 };
 
-/// Throws InputError: Unsupported for bases that are no planes, and for hollow cylinders and cones, EmptyBox
-/// when no region of positive area lies both on the base and in the box (or the cell's side of it has no
-/// room), or none of it within the wall of a hollow sphere,
+/// Throws InputError: Unsupported for bases that are no planes, EmptyBox when no region of positive area
+/// lies both on the base and in the box (or the cell's side of it has no room), or none of it within the wall
+/// of a vessel,
 /// TouchesBase (with object and place) for an object that cuts or touches the closed base region,
 /// OutOfRange where a height's coefficients leave the double range. All of it by exact signs.
 /// An object that meets the base outside the region only is legal.

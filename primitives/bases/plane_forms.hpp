@@ -10,6 +10,7 @@
 #include "../forms/cylinder_form.hpp"
 #include "../objects/exact_space.hpp"
 #include "canonical.hpp"
+#include "cone_form.hpp"
 #include "plane_frame.hpp"
 #include "world_objects.hpp"
 
@@ -88,10 +89,31 @@ inline CylinderForm placed_cylinder(const PlaneFrame& frame, const Cylinder& cyl
         form.px = nearest(q.x) / d;
         form.py = nearest(q.y) / d;
         form.pz = nearest(q.z) / d;
-        form.exact = std::make_shared<const ExactCylinder>(
-            ExactCylinder{{q.x, q.y, q.z, a.x, a.y, a.z, frame.norm() * cylinder.radius}, frame.norm()});
+        form.exact = std::make_shared<const ExactCylinder>(ExactCylinder{
+            {q.x, q.y, q.z, a.x, a.y, a.z, frame.norm() * cylinder.radius, Exact(), a.z}, frame.norm()});
     }
     return form;
+}
+
+// |a| times the sine is told exactly if the axis is the cone's rim times its slant's length: with a and g of
+// ConeForm it is g a, and S is |a|^2.
+inline CylinderForm placed_cone(const PlaneFrame& frame, const HollowCone& cone) {
+    const ConeForm world(cone);
+    const ExactVector p = frame.place(cone.apex),
+                      a = world.g * world.rim * frame.turned(scaled_axis(cone.axis));
+    const Exact &unit = frame.norm(), S = unit * world.N;
+    const double d = nearest(unit);
+    return {nearest(p.x) / d,
+            nearest(p.y) / d,
+            nearest(p.z) / d,
+            nearest(a.x) / d,
+            nearest(a.y) / d,
+            nearest(a.z) / d,
+            0,
+            nearest(S) / d,
+            nearest(a.z - S) / d,
+            std::make_shared<const ExactCylinder>(
+                ExactCylinder{{p.x, p.y, p.z, a.x, a.y, a.z, Exact(), S, a.z - S}, unit})};
 }
 
 // A side of the box hides what lies beyond a plane, where the base and its mirror image across that side are
@@ -105,11 +127,12 @@ inline LinearForm half_way_to_image(const Plane& base, const WorldSide& side) {
     return {mirrored.x(), mirrored.y(), mirrored.z(), d};
 }
 
-// A tube, of a radius below 0 if it is hollow.
-inline Cylinder tube_of(const Object& object) {
+// The form of a tube, of a radius below 0 if it is hollow, or of a hollow cone.
+inline CylinderForm placed_form(const PlaneFrame& frame, const Object& object) {
+    if (const auto* cone = std::get_if<HollowCone>(&object)) return placed_cone(frame, *cone);
     const auto* hollow = std::get_if<HollowCylinder>(&object);
-    return hollow != nullptr ? Cylinder{hollow->point, hollow->axis, -hollow->radius}
-                             : std::get<Cylinder>(object);
+    return placed_cylinder(frame, hollow != nullptr ? Cylinder{hollow->point, hollow->axis, -hollow->radius}
+                                                    : std::get<Cylinder>(object));
 }
 
 }  // namespace vcell

@@ -110,10 +110,32 @@ public:
         });
     }
 
-    // Is the region inside a cylinder's trace? Likewise.
+    // Is the region inside a cylinder's trace? Likewise, and so for a cone's, which is convex, too.
     bool lies_within(const CylinderTrace& trace) const {
         return std::ranges::all_of(
             corners_, [&](const ExactPoint& q) { return polar(trace, q, q).sign() == Sign::Negative; });
+    }
+    bool lies_in_cone(const CylinderTrace& trace) const {
+        return std::ranges::all_of(corners_, [&](const ExactPoint& q) { return is_in_cone(trace, q); });
+    }
+
+    // Is a point of the region within a cone? The trace comes in through a side, between two places where it
+    // is 0, or it is an ellipse inside, with its centre, unless a corner is within. From a corner beyond the
+    // apex no line comes into the cone and out again.
+    bool meets_cone(const CylinderTrace& trace) const {
+        for (std::size_t i = 0; i < corners_.size(); ++i) {
+            const ExactPoint &p = corners_[i], &q = corners_[(i + 1) % corners_.size()];
+            if (is_in_cone(trace, p)) return true;
+            const Exact pp = polar(trace, p, p), pq = polar(trace, p, q), qq = polar(trace, q, q);
+            if (pp.sign() == Sign::Negative || qq.sign() == Sign::Negative || pq.sign() != Sign::Negative)
+                continue;
+            const Exact of_p = qq - pq, of_q = pp - pq;
+            if (is_in_cone(trace,
+                           {of_p * p.x + of_q * q.x, of_p * p.y + of_q * q.y, of_p * p.d + of_q * q.d}))
+                return true;
+        }
+        const auto bottom = bottom_inside(trace);
+        return bottom && is_in_cone(trace, *bottom);
     }
 
     // Sign of the smallest value of trace - level over the closed region. The trace is convex: the minimum is
@@ -179,11 +201,16 @@ private:
                f.x1 * (p.x * q.d + p.d * q.x) + f.y1 * (p.y * q.d + p.d * q.y) + f.c * p.d * q.d;
     }
 
-    // Where the axis meets the base, if that is in the region. Of an axis parallel to the base the trace is
-    // lowest along a line, which reaches the region's sides if it meets the region: none.
+    static bool is_in_cone(const CylinderTrace& f, const ExactPoint& p) {
+        return polar(f, p, p).sign() == Sign::Negative &&
+               (f.ahead[0] * p.x + f.ahead[1] * p.y + f.ahead[2] * p.d).sign() == Sign::Positive;
+    }
+
+    // The centre of an ellipse, if that is in the region. Of a tube whose axis is parallel to the base the
+    // trace is lowest along a line, which reaches the region's sides if it meets the region: none.
     std::optional<ExactPoint> bottom_inside(const CylinderTrace& f) const {
         const ExactPoint p{f.xy * f.y1 - f.yy * f.x1, f.xy * f.x1 - f.xx * f.y1, f.xx * f.yy - f.xy * f.xy};
-        if (p.d.sign() == Sign::Zero) return std::nullopt;
+        if (p.d.sign() != Sign::Positive) return std::nullopt;
         for (const RegionSide& side : sides_)
             if (value_at(side, p).sign() == Sign::Negative) return std::nullopt;
         return p;

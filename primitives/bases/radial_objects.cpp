@@ -102,14 +102,9 @@ void RadialObjects::drop_wider_vessels() {
                                 ball.radius),
                        false);
     }
-    drop_wider_cylinders();
+    drop_wider_tubes_and_cones();
     for (std::size_t i = 0; i < hollow_cones.size(); ++i) {
         const ConeForm& cone = hollow_cones.items[i];
-        for (std::size_t j = 0; j < i; ++j) {
-            const ConeForm& other = hollow_cones.items[j];
-            drop_wider(hollow_cones.objects[i], hollow_cones.objects[j], contains(cone, other),
-                       contains(other, cone));
-        }
         for (std::size_t j = 0; j < hollow_balls.size(); ++j) {
             const HollowSphere& ball = hollow_balls.items[j];
             drop_wider(hollow_cones.objects[i], hollow_balls.objects[j],

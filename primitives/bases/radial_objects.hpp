@@ -21,7 +21,6 @@ public:
     using WorldObjects::WorldObjects;
 
     Listed<HollowSphere> hollow_balls;
-    Listed<ConeForm> hollow_cones;
 
     /// Leaves out what lies in other solids, cylinders beyond planes, and what lies beyond the wall of a
     /// vessel: never nearer than those, they may tie with them along whole curves of the base. `mirrored` are

@@ -89,14 +89,15 @@ bool is_beyond(const std::array<Exact, 4>& plane, const CylinderForm& cylinder) 
 }
 
 CylinderTrace trace_on_base(const CylinderForm& form) {
-    // C = |a|^2 (|m|^2 - rho^2) - (m . a)^2 with m = (x, y, 0) - p, so m . a = ax x + ay y - p . a. Lengths
+    // C = M |m|^2 - |a|^2 rho^2 - (m . a)^2 with m = (x, y, 0) - p, so m . a = ax x + ay y - p . a. Lengths
     // are times the exact form's unit s.
     const ExactCylinder f = exact_cylinder(form);
     const Vector<Exact> a{f.ax, f.ay, f.az}, p{f.px, f.py, f.pz};
-    const Exact norm = dot(a, a), along = dot(p, a), &s = f.unit, ss = s * s;
-    return {ss * (norm - a.x * a.x),        -(ss * a.x * a.y),
-            ss * (norm - a.y * a.y),        s * (along * a.x - norm * p.x),
-            s * (along * a.y - norm * p.y), norm * (dot(p, p) - f.rho * f.rho) - along * along};
+    const Exact norm = dot(a, a), M = norm - f.sine * f.sine, along = dot(p, a), &s = f.unit, ss = s * s;
+    return {ss * (M - a.x * a.x),        -(ss * a.x * a.y),
+            ss * (M - a.y * a.y),        s * (along * a.x - M * p.x),
+            s * (along * a.y - M * p.y), M * dot(p, p) - norm * f.rho * f.rho - along * along,
+            {s * a.x, s * a.y, -along}};
 }
 
 }  // namespace vcell

@@ -28,11 +28,13 @@ bool is_beside(const CylinderForm& cylinder, const CylinderForm& other);
 /// Does the solid cylinder lie in the closed half-space n.p + d <= 0, given as (nx, ny, nz, d)?
 bool is_beyond(const std::array<Exact, 4>& plane, const CylinderForm& cylinder);
 
-/// C of cylinder_form.hpp as a polynomial: xx x^2 + 2 xy x y + yy y^2 + 2 x1 x + 2 y1 y + c. It is convex:
-/// |a|^2 times (the squared distance of (x, y, 0) from the axis - rho^2), times the fourth power of an exact
-/// form's unit.
+/// C of cylinder_form.hpp as a polynomial: xx x^2 + 2 xy x y + yy y^2 + 2 x1 x + 2 y1 y + c, times the fourth
+/// power of an exact form's unit. A tube's is convex: |a|^2 times (the squared distance of (x, y, 0) from the
+/// axis - rho^2). A cone's is below 0 within its wall, where m.a, of which ahead has the coefficients of x, y
+/// and 1, is positive, and beyond the apex, where that is negative.
 struct CylinderTrace {
     Exact xx, xy, yy, x1, y1, c;
+    std::array<Exact, 3> ahead;
 };
 CylinderTrace trace_on_base(const CylinderForm& cylinder);
 

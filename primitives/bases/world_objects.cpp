@@ -85,13 +85,16 @@ void WorldObjects::drop_wider(std::uint32_t i, std::uint32_t j, bool holds, bool
         hide_beyond_wall(j, i);
 }
 
-void WorldObjects::drop_wider_cylinders() {
-    for (std::size_t i = 0; i < hollow_cylinders.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j) {
-            const CylinderForm &tube = hollow_cylinders.items[i], &other = hollow_cylinders.items[j];
-            drop_wider(hollow_cylinders.objects[i], hollow_cylinders.objects[j], contains(tube, other),
-                       contains(other, tube));
-        }
+void WorldObjects::drop_wider_tubes_and_cones() {
+    const auto among = [&](const auto& vessels) {
+        for (std::size_t i = 0; i < vessels.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                drop_wider(vessels.objects[i], vessels.objects[j],
+                           contains(vessels.items[i], vessels.items[j]),
+                           contains(vessels.items[j], vessels.items[i]));
+    };
+    among(hollow_cylinders);
+    among(hollow_cones);
 }
 
 void WorldObjects::warn(const FormSites& sites, const char* unmet, std::vector<std::string>& warnings) const {

@@ -14,6 +14,7 @@
 #include "../forms/cylinder_form.hpp"
 #include "../objects/exact_space.hpp"
 #include "canonical.hpp"
+#include "cone_form.hpp"
 
 namespace vcell {
 
@@ -90,6 +91,7 @@ public:
     Listed<HalfSpace> planes;
     Listed<CylinderForm> cylinders;
     Listed<CylinderForm> hollow_cylinders;
+    Listed<ConeForm> hollow_cones;
 
     [[noreturn]] void fail(InputError::Kind kind, std::uint32_t object, const std::string& what) const;
 
@@ -122,9 +124,9 @@ public:
     void drop_hidden_by_cylinders(std::span<const std::array<Exact, 4>> walls, std::span<const Site> of_walls,
                                   std::span<const std::pair<CylinderForm, Site>> mirrored);
 
-    /// Leaves out hollow cylinders that have another one within, which is nearer. The first one of equal ones
-    /// stands for all.
-    void drop_wider_cylinders();
+    /// Leaves out hollow cylinders that have another one within, which is nearer, and such cones. The first
+    /// one of equal ones stands for all.
+    void drop_wider_tubes_and_cones();
 
     /// `unmet`: where objects are that were left out as unmet.
     void warn(const FormSites& sites, const char* unmet, std::vector<std::string>& warnings) const;

@@ -10,18 +10,19 @@ namespace {
 
 struct Height {
     QuadraticForm form;  // of (x, y, z, 1)
-    Exact scale;         // of x^2 + y^2 + z^2 before z^2 cancels: |a|^2 of a cylinder
+    Exact scale;         // of x^2 + y^2 + z^2 before z^2 cancels: M of a cylinder
 };
 
-// Over a plane z is t, and the equation has no p_z. A cylinder's has |a|^2 (|p|^2 - t^2) - (a.p)^2: its trace
-// is |a|^2.
+// Over a plane z is t, and the equation has no p_z.
 Height height(const FormFamily& family, FormId f) {
     using space_quadrics::term, space_quadrics::unknowns;
     const space_quadrics::Quadric q = space_quadrics::equation(family, f);
     const auto square = [&](std::size_t i) -> const Exact& { return q[term(unknowns, i, i)]; };
     constexpr std::array<std::size_t, 4> used{0, 1, 3, 4};
-    return {QuadraticForm::twice(q, unknowns, used),
-            family.is_circular(f) ? square(0) : square(0) + square(1) + square(3)};
+    if (family.is_circular(f)) return {QuadraticForm::twice(q, unknowns, used), square(0)};
+    const ExactCylinder c = exact_cylinder(family.cylinder(f));
+    const Exact M = c.ax * c.ax + c.ay * c.ay + c.az * c.az - c.sine * c.sine;
+    return {QuadraticForm::twice(q, unknowns, used), c.unit * c.unit * M};
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ std::optional<Fraction> simplest_near(Wide v) {
 struct Equation {
     HeightEquation at, x, y;
     bool has_root = false;         // c may differ from 0 where a does
-    bool is_smaller_root = false;  // of a hollow cylinder
+    bool is_smaller_root = false;  // of what is hollow
 };
 
 Equation circular_equation(const ExactForm& f, const RationalPoint& p) {
@@ -57,13 +57,14 @@ Equation circular_equation(const ExactForm& f, const RationalPoint& p) {
 Equation cylinder_equation(const ExactCylinder& f, const RationalPoint& p) {
     const Exact &w = p.w, s = f.unit * w;
     const ExactVector a(f.ax, f.ay, f.az), m(f.unit * p.x - w * f.px, f.unit * p.y - w * f.py, -(w * f.pz));
-    const Exact rho = w * f.rho, norm = dot(a, a), along = dot(m, a), twice_s = 2.0 * s, ss = s * s;
-    return {{norm * (dot(m, m) - rho * rho) - along * along, s * (norm * (rho - m.z) + along * a.z),
-             ss * a.z * a.z},
-            {twice_s * (norm * m.x - along * a.x), ss * a.x * a.z, Exact()},
-            {twice_s * (norm * m.y - along * a.y), ss * a.y * a.z, Exact()},
-            a.z.sign() != Sign::Zero,
-            rho.sign() == Sign::Negative};
+    const Exact rho = w * f.rho, norm = dot(a, a), M = norm - f.sine * f.sine, along = dot(m, a),
+                twice_s = 2.0 * s, ss = s * s;
+    return {{M * dot(m, m) - norm * rho * rho - along * along, s * (norm * rho - M * m.z + along * f.steep),
+             ss * f.steep * f.steep},
+            {twice_s * (M * m.x - along * a.x), ss * a.x * f.steep, Exact()},
+            {twice_s * (M * m.y - along * a.y), ss * a.y * f.steep, Exact()},
+            f.steep.sign() != Sign::Zero,
+            rho.sign() == Sign::Negative || f.sine.sign() == Sign::Positive};
 }
 
 Equation radial_equation(const RadialForm& f, Chart chart, const RationalPoint& p) {

@@ -12,17 +12,29 @@ template class RadialNormals<Wide>;
 
 namespace {
 
-// The cylinder's numbers are doubles where these are exact.
+// The numbers are doubles where these are exact, of tubes then.
+double steep(const CylinderForm& f) { return f.az; }
+template <class T>
+const T& steep(const CylinderNumbers<T>& f) {
+    return f.steep;
+}
+
 bool is_level(const CylinderForm& f) { return f.az == 0; }
 template <class T>
 bool is_level(const CylinderNumbers<T>& f) {
-    return f.az.sign() == Sign::Zero;
+    return f.steep.sign() == Sign::Zero;
+}
+
+bool is_cone(const CylinderForm&) { return false; }
+template <class T>
+bool is_cone(const CylinderNumbers<T>& f) {
+    return f.sine.sign() == Sign::Positive;
 }
 
 bool is_hollow(const CylinderForm& f) { return f.is_hollow(); }
 template <class T>
 bool is_hollow(const CylinderNumbers<T>& f) {
-    return f.rho.sign() == Sign::Negative;
+    return is_cone(f) || f.rho.sign() == Sign::Negative;
 }
 
 // The height 1 / q, where C q^2 - 2 beta q - A = 0. Pre: C > 0; beta > 0 where A = 0.
@@ -43,10 +55,11 @@ Interval hollow_height_of(const Interval& C, const Interval& beta, const Interva
     return narrowed(C / (root + beta), (root - beta) / A);
 }
 
-// A cylinder's height, and what its derivatives need. C = |m x a|^2 - N rho^2: with the cross product instead
-// of N |m|^2 - (m . a)^2 nothing cancels far out along the axis.
+// A cylinder's height, and what its derivatives need. C = |m x a|^2 - S^2 |m|^2 - |a|^2 rho^2: with the cross
+// product instead of M |m|^2 - (m . a)^2 nothing cancels far out along the axis.
 template <class T>
 struct CylinderHeight {
+    T mx, my;                // m
     T cx, cy, cz;            // m x a
     T root, v;               // root = beta + A v
     bool is_known;           // certainly outside the trace on the base, or in a hollow cylinder
@@ -54,15 +67,17 @@ struct CylinderHeight {
 
     template <class Cylinder>
     CylinderHeight(const Cylinder& f, const CylinderConstants<T>& constants, const T& x, const T& y) {
-        const T mx = x - T(f.px), my = y - T(f.py);
+        mx = x - T(f.px);
+        my = y - T(f.py);
         cx = f.az * my + constants.ay_pz;
         cy = -(f.az * mx) - constants.ax_pz;
         cz = f.ay * mx - f.ax * my;
-        const T C = square(cx) + square(cy) + square(cz) - constants.far;
-        const T beta = constants.lift + f.az * (f.ax * mx + f.ay * my);
+        T C = square(cx) + square(cy) + square(cz) - constants.far;
+        const T beta = constants.lift + steep(f) * (f.ax * mx + f.ay * my);
         if (is_hollow(f)) {
-            const T D = constants.norm *
-                        (square(f.az * mx + constants.tip * f.ax) + square(f.az * my + constants.tip * f.ay));
+            if (is_cone(f)) C -= constants.sine2 * (square(mx) + square(my) + square(T(f.pz)));
+            const T D = constants.M * (square(steep(f) * mx + constants.tip * f.ax) +
+                                       square(steep(f) * my + constants.tip * f.ay));
             is_known = !is_level(f) || beta.sign() == Sign::Negative;
             is_differentiable = is_known && (is_level(f) || D.sign() == Sign::Positive);
             root = is_level(f) ? beta : -sqrt(D);
@@ -87,8 +102,25 @@ HeightJet<T> cylinder_jet(const Cylinder& f, const CylinderConstants<T>& constan
     const CylinderHeight<T> h(f, constants, x, y);
     if (!h.is_differentiable) return {h.v, T::whole(), T::whole()};
     // F = C - 2 beta r - A r^2 = 0: r' = (C' - 2 beta' r) / (2 (beta + A r)), and beta + A r is the root.
+    if (is_cone(f))
+        return {h.v, (f.ay * h.cz - f.az * h.cy - constants.sine2 * h.mx - steep(f) * f.ax * h.v) / h.root,
+                (f.az * h.cx - f.ax * h.cz - constants.sine2 * h.my - steep(f) * f.ay * h.v) / h.root};
     return {h.v, (f.ay * h.cz - f.az * (h.cy + f.ax * h.v)) / h.root,
             (f.az * (h.cx - f.ay * h.v) - f.ax * h.cz) / h.root};
+}
+
+// In doubles, with its gradient.
+std::array<double, 3> near_cylinder(const CylinderForm& c, double x, double y) {
+    const double mx = x - c.px, my = y - c.py, cx = c.az * my + c.ay * c.pz, cy = -(c.az * mx) - c.ax * c.pz,
+                 cz = c.ay * mx - c.ax * my, level = c.ax * c.ax + c.ay * c.ay, norm = level + c.az * c.az,
+                 sine2 = c.sine * c.sine, steep = c.steep(), A = steep * steep,
+                 C = cx * cx + cy * cy + cz * cz - norm * c.rho * c.rho -
+                     sine2 * (mx * mx + my * my + c.pz * c.pz),
+                 beta = norm * c.rho + (level + c.sine * steep) * c.pz + steep * (c.ax * mx + c.ay * my),
+                 side = c.is_hollow() ? -1 : 1, root = side * std::sqrt(std::max(0.0, beta * beta + A * C)),
+                 v = side * beta < 0 ? (root - beta) / A : C / (root + beta);
+    return {v, (c.ay * cz - c.az * cy - sine2 * mx - steep * c.ax * v) / root,
+            (c.az * cx - c.ax * cz - sine2 * my - steep * c.ay * v) / root};
 }
 
 }  // namespace
@@ -106,7 +138,7 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         prepared_.push_back(p);
     }
     for (const CylinderForm& f : family.cylinders) {
-        const auto prepare = [&](const auto& cylinder) {
+        const auto prepare = [&](const CylinderNumbers<Interval>& cylinder) {
             Prepared p;
             p.cylinder = CylinderConstants<Interval>(cylinder);
             prepared_.push_back(p);
@@ -118,7 +150,7 @@ Heights::Heights(const FormFamily& family) : family_(family) {
                 converted<Interval>(*f.exact, [](const Exact& v) { return v.enclosure(); }));
             prepare(*t);
         } else {
-            prepare(f);
+            prepare(numbers_of<Interval>(f));
         }
     }
     if (family.radial.empty()) return;
@@ -215,7 +247,7 @@ const Heights::WidePrepared& Heights::wide(FormId f) const {
             p->constants =
                 CylinderConstants<Wide>(p->cylinder.emplace(converted<Wide>(*c.exact, enclosure_of<Wide>)));
         else
-            p->constants = CylinderConstants<Wide>(c);
+            p->constants = CylinderConstants<Wide>(numbers_of<Wide>(c));
     }
     return *p;
 }
@@ -261,14 +293,13 @@ std::array<double, 3> Heights::near(FormId f, double x, double y) const {
         return {(c.k * (dx * dx + dy * dy) + c.a * x + c.b * y + c.e) / c.w, (2 * c.k * dx + c.a) / c.w,
                 (2 * c.k * dy + c.b) / c.w};
     }
-    const CylinderForm& c = family_.cylinder(f);
-    const double mx = x - c.px, my = y - c.py, cx = c.az * my + c.ay * c.pz, cy = -(c.az * mx) - c.ax * c.pz,
-                 cz = c.ay * mx - c.ax * my, level = c.ax * c.ax + c.ay * c.ay, A = c.az * c.az,
-                 C = cx * cx + cy * cy + cz * cz - (level + A) * c.rho * c.rho,
-                 beta = (level + A) * c.rho + level * c.pz + c.az * (c.ax * mx + c.ay * my),
-                 side = c.is_hollow() ? -1 : 1, root = side * std::sqrt(std::max(0.0, beta * beta + A * C)),
-                 v = side * beta < 0 ? (root - beta) / A : C / (root + beta);
-    return {v, (c.ay * cz - c.az * (cy + c.ax * v)) / root, (c.az * (cx - c.ay * v) - c.ax * cz) / root};
+    return near_cylinder(family_.cylinder(f), x, y);
+}
+
+Interval Heights::root_at(FormId f, Interval x, Interval y, Interval t) const {
+    const CylinderNumbers<Interval> c = cylinder(f);
+    const CylinderConstants<Interval>& constants = prepared_[f.value].cylinder;
+    return constants.lift + ((x - c.px) * c.ax + (y - c.py) * c.ay) * c.steep + constants.A * t;
 }
 
 // Differentiating F = 0 once more: 2 root r_xy = C_xy - 2 beta_x r_y - 2 beta_y r_x - 2 A r_x r_y.
@@ -283,23 +314,18 @@ HeightCurvature<Interval> Heights::curvature(FormId f, Interval x, Interval y) c
         const Interval k = two * Interval(family_.forms[f].k) * p.inverse_w;
         return {k, 0.0, k};
     }
-    const CylinderForm& form = family_.cylinder(f);
-    const CylinderNumbers<Interval>* t = turned(f);
-    const CylinderNumbers<Interval> c =
-        t != nullptr ? *t : CylinderNumbers<Interval>{form.px, form.py, form.pz, form.ax,
-                                                      form.ay, form.az, form.rho};
+    const CylinderNumbers<Interval> c = cylinder(f);
     const HeightJet<Interval> j = jet(f, x, y);
-    const Interval &ax = c.ax, &ay = c.ay, &az = c.az, bx = az * ax, by = az * ay;
-    const Interval beta = p.cylinder.lift + ((x - c.px) * ax + (y - c.py) * ay) * az;
-    const Interval root = beta + p.cylinder.A * j.v;
-    if (root.sign() != (form.is_hollow() ? Sign::Negative : Sign::Positive))
+    const Interval &ax = c.ax, &ay = c.ay, bx = c.steep * ax, by = c.steep * ay;
+    const Interval &across = p.cylinder.across, root = root_at(f, x, y, j.v);
+    if (root.sign() != (is_hollow(c) ? Sign::Negative : Sign::Positive))
         return {Interval::whole(), Interval::whole(), Interval::whole()};
     const auto second = [&](Interval C, Interval bu, Interval bv, Interval ru, Interval rv) {
         return (C - two * (bu * rv + bv * ru) - two * p.cylinder.A * ru * rv) / (two * root);
     };
-    return {second(two * (square(ay) + square(az)), bx, bx, j.gx, j.gx),
+    return {second(two * (square(ay) + across), bx, bx, j.gx, j.gx),
             second(-two * ax * ay, bx, by, j.gx, j.gy),
-            second(two * (square(ax) + square(az)), by, by, j.gy, j.gy)};
+            second(two * (square(ax) + across), by, by, j.gy, j.gy)};
 }
 
 void Heights::find_twins() const {

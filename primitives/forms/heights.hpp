@@ -53,23 +53,28 @@ inline std::array<Interval, 2> refined_gradient(const std::array<Interval, 2>& o
 }
 
 /// A cylinder's height over a plane base (primitives/forms/cylinder_form.hpp) takes these numbers at every
-/// place: A = a_z^2, far = |a|^2 rho^2, lift, the part of beta that does not depend on the place, products of
-/// p_z, and for V of hollow ones |a|^2 and rho + p_z. They are computed once.
+/// place: A, M, far = |a|^2 rho^2, lift, the part of beta that does not depend on the place, products of
+/// p_z, for V of hollow ones rho + p_z, S^2 of cones, and across = a_z^2 - S^2. They are computed once.
 template <class T>
 struct CylinderConstants {
-    T A, far, lift, ax_pz, ay_pz, norm, tip;
+    T A, M, far, lift, ax_pz, ay_pz, tip, sine2, across;
 
     CylinderConstants() = default;
-    template <class Cylinder>
-    explicit CylinderConstants(const Cylinder& f) {
-        const T ax(f.ax), ay(f.ay), az(f.az), pz(f.pz), rho(f.rho), level = square(ax) + square(ay);
-        A = square(az);
-        norm = level + A;
-        tip = rho + pz;
-        far = norm * square(rho);
-        lift = norm * rho + level * pz;
-        ax_pz = ax * pz;
-        ay_pz = ay * pz;
+    explicit CylinderConstants(const CylinderNumbers<T>& f) {
+        const T level = square(f.ax) + square(f.ay), norm = level + square(f.az);
+        A = square(f.steep);
+        M = norm;
+        tip = f.rho + f.pz;
+        far = norm * square(f.rho);
+        lift = norm * f.rho + level * f.pz;
+        ax_pz = f.ax * f.pz;
+        ay_pz = f.ay * f.pz;
+        across = square(f.az);
+        if (f.sine.sign() != Sign::Positive) return;
+        sine2 = square(f.sine);
+        M -= sine2;
+        across -= sine2;
+        lift += f.sine * f.steep * f.pz;
     }
 };
 
@@ -99,6 +104,10 @@ public:
     /// How often heights were asked for with more digits so far: what costs most where forms all but
     /// coincide.
     std::size_t wide_evaluations() const { return wide_evaluations_; }
+
+    /// Encloses beta + A t of a cylinder's equation over the box (cylinder_form.hpp): where t is its height
+    /// that is the root, below 0 of what is hollow. Pre: a plane base, and f is no circular form.
+    Interval root_at(FormId f, Interval x, Interval y, Interval t) const;
 
     /// Encloses the second derivatives of f over the box, likewise.
     HeightCurvature<Interval> curvature(FormId f, Interval x, Interval y) const;
@@ -157,6 +166,10 @@ private:
     // The cylinder's numbers, if doubles do not give them exactly.
     const CylinderNumbers<Interval>* turned(FormId f) const {
         return turned_.empty() ? nullptr : turned_[f.value].get();
+    }
+    CylinderNumbers<Interval> cylinder(FormId f) const {
+        const CylinderNumbers<Interval>* t = turned(f);
+        return t != nullptr ? *t : numbers_of<Interval>(family_.cylinder(f));
     }
     bool is_radial() const { return !radial_.empty(); }
     template <int order>

@@ -30,20 +30,20 @@ Quadric circular_equation(const ExactForm& f, bool over_plane) {
 // Lengths times the cylinder's unit.
 Quadric cylinder_equation(const ExactCylinder& f) {
     Quadric q = zero_quadric();
-    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az;
+    const Exact norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az, M = norm - f.sine * f.sine;
     const Exact zero;
     const std::array<Linear, 3> m{Linear{f.unit, zero, zero, zero, -f.px},
                                   Linear{zero, f.unit, zero, zero, -f.py},
                                   Linear{zero, zero, zero, zero, -f.pz}};
     Linear along;
     for (std::size_t k = 0; k < unknowns; ++k) along[k] = f.ax * m[0][k] + f.ay * m[1][k] + f.az * m[2][k];
-    for (const Linear& l : m) add_product(q, norm, l, l);
+    for (const Linear& l : m) add_product(q, M, l, l);
     const Linear one = unit(4), t = unit(3);
     add_product(q, -(norm * f.rho * f.rho), one, one);
     add_product(q, -1.0, along, along);
-    add_product(q, -2.0 * f.unit * norm * (f.rho + f.pz), t, one);
-    add_product(q, -2.0 * f.unit * f.az, t, along);
-    add_product(q, -(f.unit * f.unit * f.az * f.az), t, t);
+    add_product(q, -2.0 * f.unit * (norm * f.rho + M * f.pz), t, one);
+    add_product(q, -2.0 * f.unit * f.steep, t, along);
+    add_product(q, -(f.unit * f.unit * f.steep * f.steep), t, t);
     return q;
 }
 

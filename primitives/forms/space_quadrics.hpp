@@ -41,14 +41,18 @@ Quadric equation(const FormFamily& family, FormId f);
 /// to it.
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c);
 
-/// Does X lie on the far side of the tip of a hollow cylinder over a plane, where its equation has the other
-/// root? No point of the envelope does.
+/// Would X be the other root of the equation of a hollow cylinder or cone over a plane, which has beta + A t
+/// above 0? No point of the envelope is.
 template <class Coordinate>
 bool is_behind_tip(const FormFamily& family, const std::array<Coordinate, unknowns>& p) {
     return std::ranges::any_of(family.cylinders, [&](const CylinderForm& f) {
         if (!f.is_hollow()) return false;
-        const ExactCylinder exact = exact_cylinder(f);
-        return sign(exact.unit * p[3] + exact.rho * p[4]) == Sign::Positive;
+        const ExactCylinder c = exact_cylinder(f);
+        const Exact norm = c.ax * c.ax + c.ay * c.ay + c.az * c.az, M = norm - c.sine * c.sine,
+                    at_point = c.ax * c.px + c.ay * c.py + c.az * c.pz;
+        const Exact by_x = c.unit * c.steep * c.ax, by_y = c.unit * c.steep * c.ay,
+                    by_t = c.unit * c.steep * c.steep, rest = norm * c.rho + M * c.pz - c.steep * at_point;
+        return sign(by_x * p[0] + by_y * p[1] + by_t * p[3] + rest * p[4]) == Sign::Positive;
     });
 }
 

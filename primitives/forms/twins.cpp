@@ -25,14 +25,13 @@ template <class T>
 PlaneTerms<T> terms_of_cylinder(const CylinderNumbers<T>& f, const T& u, bool is_hollow) {
     const T side(is_hollow ? -1.0 : 1.0),
         uu = side * u * u, su = side * u, norm = f.ax * f.ax + f.ay * f.ay + f.az * f.az,
-        k = f.px * f.ax + f.py * f.ay + f.pz * f.az, two_u = su + su,
-        squares = f.px * f.px + f.py * f.py + f.pz * f.pz - f.rho * f.rho, zero(0.0);
-    return {
-        -(uu * f.az * f.az),
-        {-(su * (norm * (f.rho + f.pz) - k * f.az)), -(uu * f.ax * f.az), -(uu * f.ay * f.az), zero, zero,
-         zero},
-        {side * (norm * squares - k * k), two_u * (f.ax * k - norm * f.px), two_u * (f.ay * k - norm * f.py),
-         uu * (norm - f.ax * f.ax), -((uu + uu) * f.ax * f.ay), uu * (norm - f.ay * f.ay)}};
+        M = norm - f.sine * f.sine, k = f.px * f.ax + f.py * f.ay + f.pz * f.az, two_u = su + su,
+        squares = M * (f.px * f.px + f.py * f.py + f.pz * f.pz) - norm * f.rho * f.rho, zero(0.0);
+    return {-(uu * f.steep * f.steep),
+            {-(su * (norm * f.rho + M * f.pz - k * f.steep)), -(uu * f.ax * f.steep), -(uu * f.ay * f.steep),
+             zero, zero, zero},
+            {side * (squares - k * k), two_u * (f.ax * k - M * f.px), two_u * (f.ay * k - M * f.py),
+             uu * (M - f.ax * f.ax), -((uu + uu) * f.ax * f.ay), uu * (M - f.ay * f.ay)}};
 }
 
 template <class T, class Convert>
@@ -84,7 +83,7 @@ EitherTerms<double> rough_terms(const FormFamily& family, FormId f) {
     }
     if (family.radial.empty()) {
         const CylinderForm& c = family.cylinder(f);
-        return terms_of_cylinder<double>({c.px, c.py, c.pz, c.ax, c.ay, c.az, c.rho}, 1.0, c.is_hollow());
+        return terms_of_cylinder(numbers_of<double>(c), 1.0, c.is_hollow());
     }
     return terms_of_radial<double>(family.radial_form(f), [](const Exact& e) { return e.enclosure().mid(); });
 }

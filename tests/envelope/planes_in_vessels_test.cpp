@@ -171,6 +171,86 @@ TEST_CASE(
     }
 }
 
+// Over an upright cone's trace, a disk of radius rho, lies a cone up to its tip on the axis: at S h / (1 - S)
+// over the base from an apex h below, and S h / (1 + S) under an apex above it. Half a leaning one's trace
+// between the places where the wall's lines in its plane of symmetry meet the base is an axis of the ellipse.
+TEST_CASE("planes in vessels: alone in a hollow cone a plane has all below a cone") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.box = wide;
+    const auto check = [](double value, double error, double truth) {
+        CHECK(std::abs(value - truth) <= error + 1e-14);
+        CHECK(error < 1e-10);
+    };
+    // Half its angle has a sine of 3 / 5, a tangent of 3 / 4.
+    for (const bool is_roof : {false, true}) {
+        CAPTURE(is_roof);
+        const double h = is_roof ? 1.5 : 1, radius = 0.75 * h;
+        scene.objects = {HollowCone{{0.125, -0.25, is_roof ? h : -h}, {0, 0, is_roof ? -2.0 : 1.0}, 3, 5}};
+        const Cell cell = voronoi_cell(scene);
+        REQUIRE(cell.faces.size() == 1);
+        CHECK(cell.faces[0].bisector == "circular cone");
+        CHECK(cell.faces[0].patches.size() == 3);
+        REQUIRE(cell.edges.size() == 1);
+        CHECK(cell.edges[0].kind == CurveKind::Circle);
+        CHECK(cell.edges[0].error < 1e-11);
+        const Measures& m = cell.measures;
+        const double tip = 0.6 * h / (is_roof ? 1.6 : 0.4), area = pi * radius * radius;
+        check(m.base_area, m.base_area_error, area);
+        check(m.volume, m.volume_error, area * tip / 3);
+        check(m.area, m.area_error, pi * radius * std::hypot(radius, tip));
+        check(m.min_clearance, m.min_clearance_error, 0);
+        check(m.max_clearance, m.max_clearance_error, tip);
+        CHECK(!m.touches_box);
+    }
+    // The axis leans by an angle of tangent 1 / 4: lines of the wall by tangents (3/4 +- 1/4) / (1 -+ 3/16).
+    const double h = 1, near = (0.5 / (1 + 3.0 / 16)) * h, far = (1 / (1 - 3.0 / 16)) * h;
+    scene.objects = {HollowCone{{0, 0, -h}, {0.25, 0, 1}, 3, 5}};
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(cell.faces.size() == 1);
+    CHECK(cell.faces[0].bisector == "elliptic cone");
+    CHECK(cell.faces[0].patches.size() == 3);
+    REQUIRE(cell.edges.size() == 1);
+    CHECK(cell.edges[0].kind == CurveKind::Ellipse);
+    // The section has the area of a disk whose radius is the mean of both ends' distances from the axis,
+    // looked at along that.
+    const double cosine = 1 / std::hypot(1, 0.25), half = 0.5 * (near + far);
+    const double low = 0.6 * std::hypot(near, h), high = 0.6 * std::hypot(far, h);
+    const double area = pi * half * std::sqrt(low * high);
+    check(cell.measures.base_area, cell.measures.base_area_error, area);
+    const double tip = 0.6 * h / (cosine - 0.6);
+    check(cell.measures.volume, cell.measures.volume_error, area * tip / 3);
+    check(cell.measures.max_clearance, cell.measures.max_clearance_error, tip);
+}
+
+// A cone of which a line of the wall is level opens over a parabola, and its bisector is a parabolic
+// cylinder; one that lies down, over a hyperbola's branch.
+TEST_CASE("planes in vessels: cones that lie down") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.box = wide;
+    const auto check = [&](const HollowCone& cone, const std::vector<CurveKind>& rim,
+                           const std::string& bisector) {
+        CAPTURE(cone.apex.transpose());
+        scene.objects = {cone};
+        const Cell cell = voronoi_cell(scene);
+        std::vector<CurveKind> kinds;
+        for (const CellEdge& e : cell.edges)
+            if (e.sites == std::array{Site::object(0), Site::object(0)}) kinds.push_back(e.kind);
+        CHECK(kinds == rim);
+        CHECK(cell.faces[0].bisector == bisector);
+        check_against_samples(scene, cell, 300);
+        check_vertices_on(cell);
+    };
+    // With a level line below the base, and above it.
+    check({{-1, 0, -0.5}, {4, 0, 3}, 3, 5}, {CurveKind::Parabola}, "parabolic cylinder");
+    check({{-1, 0.25, 0.75}, {4, 0, -3}, 3, 5}, {CurveKind::Parabola}, "elliptic cone");
+    for (const double height : {0.5, -0.25})
+        check({{-1, 0.125, height}, {1, 0.25, 0.125}, 4, 5}, {CurveKind::Hyperbola}, "elliptic cone");
+    // The apex is on the base, beyond the box.
+    check({{-3, 0, 0}, {1, 0.25, 0}, 1, 2}, {CurveKind::Line, CurveKind::Line}, "elliptic cone");
+}
+
 TEST_CASE("planes in vessels: walls that cross, the box and other objects bound what is over the base") {
     Scene scene;
     scene.base = Plane{{0, 0, 0.125}, {0, 0, 1}};
@@ -210,6 +290,25 @@ TEST_CASE("planes in vessels: walls that cross, the box and other objects bound 
         scene.objects = {HollowCylinder{{0, 0, 0.25}, {1, 0.25, 0}, 0.75},
                          HollowCylinder{{0.125, 0.25, 0}, {0, 0, 1}, 1}, Sphere{{0.25, 0.25, 0.75}, 0.25}};
     }
+    SUBCASE("a hopper with balls, and a tube across it") {
+        scene.objects = {HollowCone{{0.125, 0, -1.5}, {0, 0, 1}, 3, 5}, Sphere{{0.25, 0.25, 1}, 0.25},
+                         Sphere{{-0.5, 0.25, 0.5}, 0.25}, Cylinder{{0, -0.5, 0.75}, {1, 0.25, 0.125}, 0.125}};
+    }
+    SUBCASE("a hopper in a leaning silo in a ball") {
+        scene.objects = {HollowCone{{0.125, 0, -1.5}, {0.25, 0, 1}, 3, 5},
+                         HollowCylinder{{0, 0, 0.25}, {0.25, -0.5, 1}, 1}, HollowSphere{{0.25, 0, 0.25}, 1.5},
+                         Sphere{{0.25, 0.25, 0.75}, 0.25}};
+    }
+    SUBCASE("two roofs and the box") {
+        scene.box.max.x() = 0.5;
+        scene.objects = {HollowCone{{0.25, 0, 1.5}, {0.25, 0.125, -1}, 1, 1.25},
+                         HollowCone{{-0.25, 0.5, 1}, {0, 0, -1}, 3, 4}, Sphere{{0.25, 0.25, 0.5}, 0.125}};
+    }
+    SUBCASE("a leaning base in a hopper") {
+        scene.base = Plane{{0, 0, -0.125}, {0.125, 0.25, 1}};
+        scene.objects = {HollowCone{{0, 0, -1.5}, {0, 0, 1}, 3, 5}, Sphere{{0.25, 0.25, 1}, 0.25},
+                         Cylinder{{-0.25, 0.5, 0.5}, {1, 0.25, 0}, 0.125}};
+    }
     SUBCASE("a ring around a ball") {
         scene.objects = {HollowCylinder{{0.125, 0, 0}, {0, 0.125, 1}, 1}, Sphere{{0.125, 0, 0.75}, 0.5}};
     }
@@ -240,9 +339,13 @@ TEST_CASE("planes in vessels: random balls over random planes") {
         scene.box = wide;
         scene.objects = {HollowSphere{0.3 * Vec3(unit(rng), unit(rng), unit(rng)), 1.5},
                          HollowSphere{0.5 * Vec3(unit(rng), unit(rng), unit(rng)), 1.75}};
-        if (round % 2 == 0)
+        if (round % 3 == 0)
             scene.objects[1] = HollowCylinder{
                 0.3 * Vec3(unit(rng), unit(rng), unit(rng)), {unit(rng), unit(rng), unit(rng)}, 1};
+        if (round % 3 == 1) {
+            const Vec3 axis = Vec3(unit(rng), unit(rng), unit(rng)).normalized();
+            scene.objects[1] = HollowCone{-axis + 0.3 * Vec3(unit(rng), unit(rng), unit(rng)), axis, 3, 4};
+        }
         while (scene.objects.size() < 12) {
             const Sphere ball{1.3 * Vec3(unit(rng), unit(rng), unit(rng)), 0.1 + 0.1 * std::abs(unit(rng))};
             if (std::abs(away(scene.base, ball.center)) > 1.05 * ball.radius) scene.objects.push_back(ball);
@@ -323,14 +426,24 @@ TEST_CASE("planes in vessels: none is left of a plane beyond the walls") {
     CHECK(is_empty({HollowCylinder{{0, 0, 1}, {1, 0, 0}, 1}}));
     CHECK(is_empty({HollowCylinder{{3, 0, 0}, {0, 0, 1}, 1}}));
     CHECK(is_empty({HollowCylinder{{1, 0, 0}, {0, 0, 1}, 0.9}, HollowCylinder{{-1, 0, 0}, {0, 0, 1}, 1}}));
+    CHECK(is_empty({HollowCone{{0, 0, 0.5}, {0, 0, 1}, 3, 5}}));      // the other half would hold some
+    CHECK(is_empty({HollowCone{{0, 0, 0}, {0, 0, 1}, 3, 5}}));        // the apex touches it
+    CHECK(is_empty({HollowCone{{0, 0, 0.5}, {4, 0, 3}, 3, 5}}));      // a level line above it
+    CHECK(is_empty({HollowCone{{-3, 0, -1}, {-1, 0, 0}, 4, 5}}));     // a branch beyond the box
+    CHECK(!is_empty({HollowCone{{-3, 0, -0.5}, {1, 0, 0}, 4, 5}}));   // this one comes in
+    CHECK(!is_empty({HollowCone{{0, 0, -0.125}, {0, 0, 1}, 3, 5}}));  // an ellipse amidst the region
 }
 
 // What is nearest to a plane, on both of its sides, by random points.
-TEST_CASE("planes in vessels: whole diagrams have cells of planes in hollow spheres") {
+TEST_CASE("planes in vessels: whole diagrams have cells of planes") {
     DiagramScene scene;
     scene.objects = {Plane{{0, 0, -0.5}, {0.25, 0, 1}}, HollowSphere{{0, 0, 0}, 1.5},
                      Sphere{{0.25, 0, 0.5}, 0.375}, Sphere{{-0.5, 0.25, 0.25}, 0.25},
                      Plane{{0, 0, -1.625}, {0, 0, 1}}};
+    SUBCASE("in a hollow sphere") {}
+    SUBCASE("in a hollow sphere and a cone") {
+        scene.objects.push_back(HollowCone{{0.125, 0, -1.25}, {0.125, 0.0625, 1}, 5, 8});
+    }
     scene.box = {Vec3::Constant(-1.5), Vec3::Constant(1.5)};
     const VoronoiDiagram diagram = voronoi_diagram(scene);
     CHECK(diagram.cells[1].state == DiagramCell::State::Wall);
@@ -354,7 +467,7 @@ TEST_CASE("planes in vessels: whole diagrams have cells of planes in hollow sphe
     scene.objects.push_back(HollowCylinder{{0, 0, 0}, {0, 0.25, 1}, 2});
     CHECK(voronoi_diagram(scene).cells[0].state == DiagramCell::State::Computed);
     scene.objects.push_back(HollowCone{{0, 0, -4}, {0, 0, 1}, 1, 2});
-    CHECK(voronoi_diagram(scene).cells[0].state == DiagramCell::State::Wall);
+    CHECK(voronoi_diagram(scene).cells[0].state == DiagramCell::State::Computed);
 }
 
 }  // namespace
