@@ -29,11 +29,21 @@ const char* name_of_plane_and_tube(const Vec3& normal, const Vec3& axis) {
                                         : "elliptic cone";
 }
 
+// A line of the wall is parallel to the plane where the axis leans from it as much as the wall does.
+std::vector<std::string> names_of_plane_and_cone(const Vec3& normal, const HollowCone& cone) {
+    if (are_parallel(cone.axis, normal)) return {"circular cone"};
+    const double lean = normal.normalized().dot(cone.axis.normalized()) - cone.sine();
+    if (std::abs(lean) <= kRounding) return {"parabolic cylinder", "elliptic cone"};
+    return {"elliptic cone"};
+}
+
 std::vector<std::string> names_about(const Plane& base, const Object& o) {
     if (std::holds_alternative<Plane>(o)) return {"plane"};
     if (std::holds_alternative<Sphere>(o) || std::holds_alternative<HollowSphere>(o)) return {"paraboloid"};
     if (const auto* vessel = std::get_if<HollowCylinder>(&o))
         return {name_of_plane_and_tube(base.normal, vessel->axis)};
+    if (const auto* vessel = std::get_if<HollowCone>(&o))
+        return names_of_plane_and_cone(base.normal, *vessel);
     return {name_of_plane_and_tube(base.normal, std::get<Cylinder>(o).axis)};
 }
 

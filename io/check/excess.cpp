@@ -207,7 +207,8 @@ Interval ExcessAlong::object_excess(const Surface& object) const {
 
 /// Over a base plane, r = b / w. A plane's distance is linear, too. For balls and tubes with the squared
 /// distance A / w^2 the excess times (sqrt A / w + r + radius) is (A - (b + radius w)^2) / w^2, and in a
-/// hollow one, times (radius - r + sqrt A / w), ((radius w - b)^2 - A) / w^2.
+/// hollow one, times (radius - r + sqrt A / w), ((radius w - b)^2 - A) / w^2; in a cone the height over the
+/// apex times the sine takes the place of the radius, and cos^2 A that of A.
 Interval ExcessAlong::above_plane(const Surface& object) const {
     if (object.kind == Kind::plane) {
         const Form d = signed_distance(object);
@@ -216,12 +217,14 @@ Interval ExcessAlong::above_plane(const Surface& object) const {
         if (side.upper() < 0) return (d + base_).range() / -w_;
         return magnitude(side) / w_ - clearance_;
     }
-    if (object.is_cone) return object.distance(net_.box()) - clearance_;
-    const Form a = squared_distance(object);
+    Form a = squared_distance(object);
+    if (object.is_cone) a = square(object.cosine) * a;
     const Interval distance = sqrt(a.range()) / w_;
     if (object.is_hollow) {
         // Towards a tip both vanish, and the weight may not blur either by more than its own share.
-        const Form room_form = Form::combination<2>({{{-1.0, &base_}, {object.radius, &weight_}}});
+        const Form along = object.is_cone ? signed_distance(object) : weight_;
+        const Form room_form =
+            Form::combination<2>({{{-1.0, &base_}, {object.is_cone ? object.sine : object.radius, &along}}});
         const Interval room = room_form.range() / w_, plain = room - distance, sum = room + distance;
         if (!(sum.lower() > 0)) return plain;
         return intersection((square(room_form) - a).range() / square(w_) / sum, plain);

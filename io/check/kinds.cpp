@@ -68,10 +68,26 @@ private:
     /// ellipse.
     std::vector<CurveKind> kinds_on_base(const Site& wall) const {
         using enum CurveKind;
-        if (std::holds_alternative<HollowSphere>(scene_.objects[wall.index])) return {Circle};
+        const Object& vessel = scene_.objects[wall.index];
+        if (std::holds_alternative<HollowSphere>(vessel)) return {Circle};
+        if (const auto* cone = std::get_if<HollowCone>(&vessel)) return kinds_on_base(*cone);
         const std::string name = bisector_names(scene_, wall, geometry_.scale())[0];
         if (name == "elliptic cone") return {Ellipse, Spline};
         return {name == "circular cone" ? Circle : Line, Ellipse, Spline};
+    }
+
+    /// The base cuts a cone in an ellipse where its normal leans less from the axis than it would from a line
+    /// of the wall, and in a hyperbola where it leans more, or in lines through the apex.
+    std::vector<CurveKind> kinds_on_base(const HollowCone& cone) const {
+        using enum CurveKind;
+        const Vec3 normal = std::get<Plane>(scene_.base).normal.normalized(), axis = cone.axis.normalized();
+        const double lean = std::abs(normal.dot(axis)) - cone.sine();
+        if (std::abs(lean) <= kRounding) return {Ellipse, Parabola, Hyperbola, Spline};
+        if (lean < 0 && std::abs(geometry_.height(cone.apex)) <= geometry_.rounding())
+            return {Line, Hyperbola, Spline};
+        if (lean < 0) return {Hyperbola, Spline};
+        if (normal.cross(axis).norm() <= kRounding) return {Circle, Ellipse, Spline};
+        return {Ellipse, Spline};
     }
 
     /// [HE, Lemmas 1-3] Planes and box sides have linear heights, spheres paraboloids about the base's

@@ -193,13 +193,18 @@ SceneGeometry::WallDisk SceneGeometry::disk_of_wall(std::uint32_t wall) const {
         return {Eigen::Matrix2d::Identity(), -chart(ball->center),
                 std::sqrt(std::max(0.0, (ball->radius - h) * (ball->radius + h)))};
     }
-    const auto& tube = std::get<HollowCylinder>(vessel);
-    const Vec3 axis = tube.axis.normalized(), first = axis.unitOrthogonal();
+    const auto* cone = std::get_if<HollowCone>(&vessel);
+    const auto* tube = std::get_if<HollowCylinder>(&vessel);
+    const Vec3 axis = (cone ? cone->axis : tube->axis).normalized(), first = axis.unitOrthogonal(),
+               way = origin_ - (cone ? cone->apex : tube->point);
     Eigen::Matrix<double, 2, 3> across;
     across << first.transpose(), axis.cross(first).transpose();
     Eigen::Matrix2d linear;
     linear << across * across_[0], across * across_[1];
-    return {linear, across * (origin_ - tube.point), tube.radius};
+    if (!cone) return {linear, across * way, tube->radius};
+    const double tangent = cone->sine() / cone->cosine();
+    return {linear, across * way, tangent * axis.dot(way),
+            tangent * Vec2(axis.dot(across_[0]), axis.dot(across_[1]))};
 }
 
 /// Regular polygons in the disk that a wall leaves and about it take its place.
@@ -208,11 +213,11 @@ std::vector<Vec2> SceneGeometry::region_in_walls(bool is_outer) const {
     std::vector<Vec2> region = region_;
     for (const std::uint32_t wall : walls_) {
         const WallDisk disk = disk_of_wall(wall);
-        const double reach = disk.radius * (is_outer ? 1 : std::cos(std::numbers::pi / sides));
+        const double part = is_outer ? 1 : std::cos(std::numbers::pi / sides);
         for (int k = 0; k < sides && !region.empty(); ++k) {
             const double turn = 2 * std::numbers::pi * k / sides;
             const Vec2 u(std::cos(turn), std::sin(turn));
-            region = cut(region, [&](const Vec2& q) { return reach - u.dot(disk(q)); });
+            region = cut(region, [&](const Vec2& q) { return part * disk.radius(q) - u.dot(disk(q)); });
         }
     }
     return region;
@@ -253,7 +258,7 @@ void SceneGeometry::find_region() {
 void SceneGeometry::find_walls() {
     for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) {
         const Object& o = scene_.objects[i];
-        if (!scene_.competes(i) || !is_vessel(o) || std::holds_alternative<HollowCone>(o)) continue;
+        if (!scene_.competes(i) || !is_vessel(o)) continue;
         const auto is_within = [&](const Vec2& q) {
             return distance_to(i, origin_ + q.x() * across_[0] + q.y() * across_[1]) > object_rounding_[i];
         };

@@ -110,15 +110,17 @@ private:
     void find_region();
     void find_walls();
     /// A plane's places that a vessel's wall holds: a linear map takes them to a disk about 0. In a tube it
-    /// looks along the axis, so that the disk is one across it, and that of a level tube is all on a line.
+    /// looks along the axis, so that the disk is one across it, and that of a level tube is all on a line; in
+    /// a cone likewise, where the radius grows along the axis.
     struct WallDisk {
         Eigen::Matrix2d linear;
         Vec2 of_origin;
-        double radius;
+        double radius_at_origin;
+        Vec2 growth = Vec2::Zero();
 
         Vec2 operator()(const Vec2& q) const { return linear * q + of_origin; }
+        double radius(const Vec2& q) const { return radius_at_origin + growth.dot(q); }
     };
-    /// Pre: no cone's.
     WallDisk disk_of_wall(std::uint32_t wall) const;
     std::vector<Vec2> region_in_walls(bool is_outer) const;
     void find_stretch();

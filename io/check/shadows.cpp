@@ -166,9 +166,9 @@ Densities<T> along(const RuledHeight& h, const Place<T>& p) {
         height<T>(h.equation, {p.n[0] / p.w + T(p.origin[0]), p.n[1] / p.w + T(p.origin[1]), T(0.0)},
                   {T(0.0), T(0.0), T(1.0)});
     const T sum = T(1.0) + lambda, shadow = 0.5 * (sum * turn);
-    // The apex is at height -delta.
-    const T volume =
-        (t + T(h.equation.delta)) * (sum + square(lambda)) * T(third) * turn - h.equation.delta * shadow;
+    // From the apex at height h it would be ((t - h) (1 + lambda + lambda^2) / 3 + h (1 + lambda) / 2) turn.
+    const T of_apex = T(0.5 * third) * (v * lambda * (T(1.0) + 2.0 * lambda)) * T(h.fall);
+    const T volume = (t * (sum + square(lambda)) * T(third) + of_apex) * turn;
     return {volume, shadow * steepness, shadow, steepness};
 }
 
@@ -253,16 +253,17 @@ std::optional<RuledHeight> ruled_height(const Equation& equation, std::span<cons
     const MidRad x = corner[0] - equation.c[0], y = corner[1] - equation.c[1];
     const MidRad v = n[0] * x + n[1] * y, across = n[0] * y - n[1] * x;
     // D times the slope.
-    const MidRad rise = v * equation.d[2] + (equation.c[2] + equation.delta) * run,
-                 kappa = equation.d[2] / rise;
+    const MidRad slope = equation.d[2] - equation.sine,
+                 rise = v * slope + (equation.c[2] + equation.delta) * run, kappa = slope / rise,
+                 fall = -(equation.delta * slope + equation.sine * equation.c[2]) / rise;
     constexpr double nearest = 0.25;
     for (const Triad<double>& p : corners) {
         const MidRad reach = 1.0 + kappa * (n[0] * (p[0] - corner[0]) + n[1] * (p[1] - corner[1]));
         if (!(reach.lower() >= nearest)) return std::nullopt;
     }
     const MidRad aside = kappa * across;
-    return RuledHeight{
-        equation, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa};
+    return RuledHeight{equation, {corner[0], corner[1]}, n, {n[0] - aside * n[1], n[1] + aside * n[0]}, kappa,
+                       fall};
 }
 
 Shadow over_plane(const Equation& equation, std::span<const Triad<double>> corners) {
@@ -289,16 +290,16 @@ Shadow over_plane(const Equation& equation, std::span<const Triad<double>> corne
         }
         default: {
             // Their cone's apex is where the axis comes as far below the plane as the radius, and that of the
-            // inside of a tube as far above it, in the midst of the face perhaps: there only what is told
-            // from the apex on is smooth.
+            // inside of a tube, or a cone, as far above it, in the midst of the face perhaps: there only what
+            // is told from the apex on is smooth.
             if (const auto ruled = ruled_height(equation, corners)) return *ruled;
             const double least_slope = equation.is_hollow ? 0 : 0x1p-5;
-            const MidRad slope = equation.d[2];
+            const MidRad slope = equation.d[2] - equation.sine;
             if (slope.lower() > least_slope || slope.upper() < -least_slope) {
                 const MidRad run = (-equation.delta - equation.c[2]) / slope;
                 return ConeHeight{equation,
                                   {equation.c[0] + run * equation.d[0], equation.c[1] + run * equation.d[1]},
-                                  -equation.delta};
+                                  -(equation.delta + equation.sine * equation.c[2] / slope)};
             }
             return Fan{Fan::Base::plane, equation, {corner[0], corner[1], 0.0}};
         }

@@ -80,7 +80,7 @@ struct ConeHeight {
 struct RuledHeight {
     Equation equation;
     std::array<MidRad, 2> start, along, m;  ///< a, n, m
-    MidRad kappa;
+    MidRad kappa, fall;                     ///< fall: kappa times the apex's height
 };
 /// About a cylinder: a side of the box, in coordinates of its own. As seen from the axis it may turn by
 /// almost half a circle within no length at all, where the axis ends close to it.

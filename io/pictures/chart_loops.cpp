@@ -23,7 +23,8 @@ struct SideUse {
 bool has_own_parameters(const Cell& cell, Site site) {
     if (!site.is_object()) return false;
     const Object& o = cell.scene.objects[site.index];
-    return std::holds_alternative<Cylinder>(o) || std::holds_alternative<HollowCylinder>(o);
+    return std::holds_alternative<Cylinder>(o) || std::holds_alternative<HollowCylinder>(o) ||
+           std::holds_alternative<HollowCone>(o);
 }
 
 /// Where a face has several patches seams cut its loops: edges follow each other in vertices. Which of

@@ -1,5 +1,5 @@
-/// Cells of planes in hollow tubes: what the check knows of their walled_regions and tips, their files, what
-/// certify() says of them, their meshes and solids.
+/// Cells of planes in hollow tubes and cones: their files, what certify() says of them, their meshes and
+/// solids.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -18,83 +18,19 @@
 #include "../../envelope/measures/clearance_places.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
-#include "../../io/check/scene.hpp"
 #include "../../io/check/tips.hpp"
 #include "../../io/files/cell_file.hpp"
 #include "../../io/pictures/svg.hpp"
 #include "../../io/solids/moments.hpp"
 #include "../envelope/vessel_oracle.hpp"
 #include "closed_meshes.hpp"
+#include "floors_in_tubes.hpp"
 #include "hand_built_cells.hpp"
 #include "listing.hpp"
 #include "stored_diagrams.hpp"
 
 namespace vcell {
 namespace {
-
-constexpr double half_turn = std::numbers::pi;
-const Plane ground{{0, 0, 0}, {0, 0, 1}};
-
-Scene floor_in(const Plane& base, std::vector<Object> objects) {
-    Scene scene;
-    scene.base = base;
-    scene.objects = std::move(objects);
-    scene.box = {{-2, -2, -2}, {2, 2, 2}};
-    return scene;
-}
-
-// A tube with its axis through a point, and what a floor has in it where nothing else is.
-struct Vessel {
-    HollowCylinder tube;
-    double base_area, volume, area, highest;
-    CurveKind rim;
-    const char* bisector;
-};
-
-// The bisector over the rim of an upright or leaning tube is a cone whose tip is as high as the radius, 1,
-// and all generators of it rise to the tip. Over the rim of a level tube along the box it is the arch of a
-// parabola, ((1 - h^2) - y^2) / (2 (1 - h)) high where h is the axis' height.
-std::vector<Vessel> lone_vessels() {
-    const double lean = 0.8, height = 0.5, half_width = std::sqrt(1 - height * height);
-    // The arch is the parabola y^2 / (2 p) between -w and w.
-    const double p = 1 - height, w = half_width,
-                 arch = w * std::sqrt(1 + w * w / (p * p)) + p * std::asinh(w / p);
-    // The normals of the leaning cone are across its generators, along n - (0, 0, 1) with n from the axis.
-    double steepness = 0;
-    constexpr int steps = 4096;
-    for (int i = 0; i < steps; ++i) {
-        // The point of the rim is told by its angle about the axis; the face is over a sector from the tip's
-        // foot, which is the ellipse's focus.
-        const double turn = 2 * half_turn * (i + 0.5) / steps;
-        const Vec3 n(lean * std::cos(turn), std::sin(turn), -0.6 * std::cos(turn));
-        const Vec3 rim(std::cos(turn) / lean, std::sin(turn), 0),
-            along(-std::sin(turn) / lean, std::cos(turn), 0), foot(0.75, 0, 0);
-        const Vec3 normal = -n - Vec3::UnitZ();
-        steepness += 0.5 * (rim - foot).cross(along).z() * normal.norm() / std::abs(normal.z()) * 2 *
-                     half_turn / steps;
-    }
-    return {{{{0.25, 0.125, -3}, {0, 0, 2}, 1},
-             half_turn,
-             half_turn / 3,
-             std::sqrt(2) * half_turn,
-             1,
-             CurveKind::Circle,
-             "circular cone"},
-            {{{-0.5, 0.25, 0}, {0.75, 0, 1}, 1},
-             half_turn / lean,
-             half_turn / lean / 3,
-             steepness,
-             1,
-             CurveKind::Ellipse,
-             "elliptic cone"},
-            {{{0.5, 0.25, height}, {-1, 0, 0}, 1},
-             8 * half_width,
-             8 * w * w * w / (3 * p),
-             4 * arch,
-             0.5 * (1 + height),
-             CurveKind::Line,
-             "parabolic cylinder"}};
-}
 
 // The cell over a tube's rim, in four parts around the tip, with weights that the engine's patches have not.
 // Pre: the tube is not level, and leans along x.
@@ -150,81 +86,6 @@ Cell built_by_hand(const Vessel& v) {
     hand_built::set_errors(m, 1e-13);
     return cell;
 }
-
-// ---- What the check knows by itself ---------------------------------------------------------------------
-
-struct WalledRegion {
-    Plane base;
-    std::vector<Object> walls;
-    double area;
-};
-
-std::vector<WalledRegion> walled_regions() {
-    const auto strip = [](double height) { return 2 * std::sqrt(1 - height * height); };
-    const double slant = 4 - std::sqrt(0.5) * strip(0.5);
-    std::vector<WalledRegion> walled_regions{
-        {ground, {HollowCylinder{{1, 1, 0}, {1, 1, 0}, 1}}, 16 - std::pow(4 - std::sqrt(2), 2)},
-        {ground, {HollowCylinder{{0, 0, 0.5}, {1, 1, 0}, 1}}, 16 - slant * slant},
-        {ground,
-         {HollowCylinder{{0, 0, 0.5}, {1, 0, 0}, 1}, HollowCylinder{{0, 0, -0.25}, {0, 1, 0}, 1}},
-         strip(0.5) * strip(-0.25)},
-        {ground,
-         {HollowCylinder{{-0.5, 0, 0}, {0, 0, 1}, 1}, HollowSphere{{0.5, 0, 0.75}, 1.25}},
-         2 * half_turn / 3 - std::sqrt(0.75)},
-        {{{0, 0, 0.25}, {0.6, 0, 0.8}}, {HollowCylinder{{0.25, 0, 0}, {3, 0, 4}, 1}}, half_turn},
-        {{{0, 0, 0.25}, {0.6, 0, 0.8}}, {HollowCylinder{{0.25, 0, 0}, {0, 0, 4}, 1}}, half_turn / 0.8},
-    };
-    for (const Vessel& v : lone_vessels()) walled_regions.push_back({ground, {v.tube}, v.base_area});
-    return walled_regions;
-}
-
-}  // namespace
-
-TEST_CASE("planes in tubes: the region's area is enclosed by polygons in and about it") {
-    const std::vector<WalledRegion> all = walled_regions();
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        CAPTURE(i);
-        const Scene scene = floor_in(all[i].base, all[i].walls);
-        const check::SceneGeometry geometry(scene);
-        CHECK(geometry.has_curved_rim());
-        const Interval area = geometry.shadow();
-        CHECK(area.lower() <= all[i].area + 1e-12);
-        CHECK(area.upper() >= all[i].area - 1e-12);
-        CHECK(area.width() < 5e-4 * all[i].area);
-    }
-    // One that holds all of the region leaves all of it.
-    const Scene scene = floor_in(ground, {HollowCylinder{{0.5, 0, 0}, {0.125, 0, 1}, 3.5}});
-    const check::SceneGeometry geometry(scene);
-    CHECK_FALSE(geometry.has_curved_rim());
-    CHECK(geometry.shadow().contains(16));
-}
-
-TEST_CASE("planes in tubes: a tip is where the axis is as high as the radius") {
-    std::mt19937_64 rng(test_seed());
-    std::uniform_real_distribution<double> unit(-1, 1);
-    const auto vector = [&] { return Vec3(unit(rng), unit(rng), unit(rng)); };
-    for (int round = 0; round < 100; ++round) {
-        const HollowCylinder tube{vector(), vector(), 0.5 + 0.25 * unit(rng)};
-        const Scene scene = floor_in({vector(), vector()}, {tube});
-        const check::Space<Interval> space(scene);
-        const std::vector<check::Tip> tips = check::tips_of(space, tube);
-        REQUIRE(tips.size() == 1);
-        const Vec3 p = check::middle(tips[0].p), n = std::get<Plane>(scene.base).normal.normalized();
-        const double size = p.norm() + 1;
-        CHECK(check::radius(tips[0].p) < 1e-12 * size * size);
-        CHECK(n.dot(p - std::get<Plane>(scene.base).point) ==
-              doctest::Approx(tube.radius).epsilon(1e-12 * size * size));
-        CHECK(tube.axis.normalized().cross(p - tube.point).norm() < 1e-12 * size * size);
-        CHECK(tips[0].reach.contains(tube.radius));
-    }
-    const HollowCylinder level{{0, 0.5, 0.25}, {1, 2, 0}, 1};
-    const Scene scene = floor_in(ground, {level});
-    CHECK(check::tips_of(check::Space<Interval>(scene), level).empty());
-}
-
-// ---- Cells ----------------------------------------------------------------------------------------------
-
-namespace {
 
 // How high the cell is over a point of the base, by distances alone; none where there is none of it.
 std::optional<double> height_by_distances(const Scene& scene, const Vec3& foot, const Vec3& up) {
@@ -353,6 +214,9 @@ std::vector<Furnished> furnished() {
     const Plane lid{{0, 0, 1}, {0.25, 0, 1}};
     const Cylinder rod{{0, 0.5, 0.5}, {1, 0.5, 0.125}, 0.125};
     const Plane slope{{0, 0, 0.125}, {0.125, 0.25, 1}};
+    const HollowCone hopper{{0.25, 0, -1}, {0, 0, 1}, 3, 5}, roof{{0.25, 0, 1.5}, {0.125, 0, -1}, 3, 5},
+        lying{{-1.5, 0, 0.25}, {1, 0.25, 0.125}, 4, 5}, funnel{{0, 0, -1.25}, {0.125, 0.25, 1}, 5, 8};
+    const Sphere under_hopper{{0.90625, 0, 0.0625}, 0.03125};
     return {
         {floor_in(ground, {silo, low}), true},
         {floor_in(ground, {silo, ball}), false},
@@ -367,6 +231,16 @@ std::vector<Furnished> furnished() {
         {floor_in(ground, {silo, pipe, ball}), false},
         {floor_in(ground, {leaning, HollowSphere{{-0.25, 0, 0.25}, 1.25}, ball}), false},
         {floor_in(ground, {silo, rod}), false},
+        {floor_in(ground, {hopper, under_hopper}), true},
+        {floor_in(ground, {hopper, ball, other}), false},
+        {floor_in(ground, {roof, under_hopper}), true},
+        {floor_in(ground, {roof, silo, ball}), false},
+        {floor_in(ground, {lying, ball, other}), true},
+        {floor_in(ground, {funnel, other}), false},
+        {floor_in(ground, {HollowCone{{-1, 0, -0.5}, {4, 0, 3}, 3, 5}, ball, lid}), false},
+        {floor_in(ground, {HollowCone{{-1, 0.25, 0.75}, {4, 0, -3}, 3, 5}, other}), false},
+        {floor_in(slope, {hopper, leaning, other}), false},
+        {floor_in(slope, {HollowCone{{0.25, 0, 1.75}, {0.25, 0, -1}, 3, 5}, lower}), true},
     };
 }
 
@@ -475,6 +349,10 @@ TEST_CASE("planes in tubes: random floors among balls in random vessels are cert
                 HollowCylinder{vector(0.4), axes[(round / 2 + i) % 4], 1.25 + 0.25 * unit(rng)});
         }
         if (round % 5 == 4) scene.objects.emplace_back(HollowSphere{vector(0.4), 1.5});
+        if (round % 4 == 3) {
+            const Vec3 axis = round % 8 == 3 ? Vec3(base.normal.normalized()) : vector(1).normalized();
+            scene.objects[0] = HollowCone{vector(0.4) - axis, axis, 2 + unit(rng), 3.25};
+        }
         for (int balls = round % 7; balls > 0;) {
             const Sphere ball{vector(1.25), 0.1875 + 0.0625 * unit(rng)};
             if (vessel_oracle::away(base, ball.center) < 1.0625 * ball.radius) continue;
