@@ -87,7 +87,7 @@ public:
     void write(std::ostream& out) {
         for (const Vec3& v : solid_.vertices) vertices_.push_back(add("VERTEX_POINT('',#{})", point(v)));
         for (const Solid::Face& f : solid_.faces)
-            surfaces_.push_back(f.is_flat ? plane(f) : surface(*f.surface));
+            surfaces_.push_back(f.is_flat ? plane(f) : surface(f.surface));
         add_edges();
         std::vector<int> solids;
         for (const std::vector<std::uint32_t>& part : solid_.parts) {
@@ -171,10 +171,9 @@ private:
 
     // With the patch's parameters: lengths from where both are 0.
     int plane(const Solid::Face& f) {
-        const auto [x, y] = f.surface->partials(0, 0);
-        return add("PLANE('',#{})",
-                   add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", point(f.surface->evaluate(0, 0)),
-                       direction(x.cross(y)), direction(x)));
+        const auto [x, y] = f.surface.partials(0, 0);
+        return add("PLANE('',#{})", add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", point(f.surface.evaluate(0, 0)),
+                                        direction(x.cross(y)), direction(x)));
     }
 
     void add_edges() {

@@ -12,6 +12,7 @@
 #include "../../core/curves/reversed_curve.hpp"
 #include "../../core/errors.hpp"
 #include "../pictures/trims.hpp"
+#include "tip_caps.hpp"
 
 namespace vcell {
 
@@ -60,14 +61,17 @@ BernsteinForm product(const BernsteinForm& a, const BernsteinForm& b) {
     return result;
 }
 
-// The patch's Bernstein polynomials in one parameter, times the weight's power: part k along the curve has
-// the coefficients a - from w and to w - a over the domain's length, a the parameter times the weight.
+// The patch's Bernstein polynomials in one parameter along a span of a curve, times the weight's power.
+// Where the parameter is one all along it they are numbers. Elsewhere part k along the curve has the
+// coefficients a - from w and to w - a over the domain's length, a the parameter times the weight.
 std::vector<BernsteinForm> basis_along(const std::array<double, 2>& domain, int degree,
-                                       const BernsteinForm& at, const BernsteinForm& weights) {
+                                       const RationalCurve2& span, int coordinate, bool is_one) {
     BernsteinForm up, down;
-    for (std::size_t i = 0; i < at.size(); ++i) {
-        up.push_back(weights[i] * (at[i] - domain[0]) / (domain[1] - domain[0]));
-        down.push_back(weights[i] * (domain[1] - at[i]) / (domain[1] - domain[0]));
+    for (const Eigen::Vector3d& p : span.points) {
+        const double weight = is_one ? 1 : p[2];
+        up.push_back(weight * (p[coordinate] - domain[0]) / (domain[1] - domain[0]));
+        down.push_back(weight * (domain[1] - p[coordinate]) / (domain[1] - domain[0]));
+        if (is_one) break;
     }
     std::vector<BernsteinForm> result;
     for (int k = 0; k <= degree; ++k) {
@@ -78,18 +82,13 @@ std::vector<BernsteinForm> basis_along(const std::array<double, 2>& domain, int 
     return result;
 }
 
-// The image of one span of a curve in a patch's parameters, as homogeneous control points.
-std::vector<Eigen::Vector4d> image_of_span(const RationalPatch& s, const RationalCurve2& span) {
-    BernsteinForm u, v, w;
-    for (const Eigen::Vector3d& p : span.points) {
-        u.push_back(p[0]);
-        v.push_back(p[1]);
-        w.push_back(p[2]);
-    }
-    const std::vector<BernsteinForm> along_u = basis_along(s.domain_u, s.degree_u, u, w),
-                                     along_v = basis_along(s.domain_v, s.degree_v, v, w);
-    std::vector<Eigen::Vector4d> points(static_cast<std::size_t>(span.degree * (s.degree_u + s.degree_v)) + 1,
-                                        Eigen::Vector4d::Zero());
+// The image of one span of a curve in a patch's parameters, as homogeneous control points: whether a
+// parameter is one all along the curve is told by all of it.
+std::vector<Eigen::Vector4d> image_of_span(const RationalPatch& s, const RationalCurve2& span,
+                                           const std::array<bool, 2>& is_one) {
+    const std::vector<BernsteinForm> along_u = basis_along(s.domain_u, s.degree_u, span, 0, is_one[0]),
+                                     along_v = basis_along(s.domain_v, s.degree_v, span, 1, is_one[1]);
+    std::vector<Eigen::Vector4d> points(along_u[0].size() + along_v[0].size() - 1, Eigen::Vector4d::Zero());
     for (int i = 0; i <= s.degree_u; ++i)
         for (int j = 0; j <= s.degree_v; ++j) {
             const Eigen::Vector4d& p = s.point(i, j);
@@ -102,16 +101,17 @@ std::vector<Eigen::Vector4d> image_of_span(const RationalPatch& s, const Rationa
 }
 
 // The image of a curve in a patch's parameters, with the curve's parameter: of as many times its degree as
-// the patch has in both parameters, span by span.
+// the patch has in the parameters that change along it, span by span.
 RationalCurve3 image(const RationalPatch& s, const RationalCurve2& c) {
     std::vector<double> ends(c.knots.begin(), c.knots.end());
     ends.erase(std::ranges::unique(ends).begin(), ends.end());
     RationalCurve3 curve;
-    curve.degree = c.degree * (s.degree_u + s.degree_v);
+    const std::array<bool, 2> is_one{is_at_one(c, 0), is_at_one(c, 1)};
+    curve.degree = c.degree * ((is_one[0] ? 0 : s.degree_u) + (is_one[1] ? 0 : s.degree_v));
     const auto times = static_cast<std::size_t>(curve.degree);
     curve.knots.push_back(ends.front());
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-        const auto span = image_of_span(s, restricted(c, ends[i], ends[i + 1]));
+        const auto span = image_of_span(s, restricted(c, ends[i], ends[i + 1]), is_one);
         for (std::size_t k = i == 0 ? 0 : 1; k < span.size(); ++k)
             curve.points.push_back(
                 {span[k][0] / span[k][3], span[k][1] / span[k][3], span[k][2] / span[k][3], span[k][3]});
@@ -125,6 +125,7 @@ class Builder {
 public:
     Builder(const Shell& shell, std::size_t cell_faces, double shortest)
         : shell_(shell),
+          capped_(with_tip_caps(shell.faces)),
           cell_faces_(cell_faces),
           shortest_(shortest),
           cuts_(shell.edges.size()),
@@ -134,11 +135,12 @@ public:
 
     Solid build() {
         for (const CellVertex& v : shell_.vertices) solid_.vertices.push_back(v.point);
+        solid_.vertices.insert(solid_.vertices.end(), capped_.places.begin(), capped_.places.end());
         find_cuts();
         for (std::size_t e = 0; e < cuts_.size(); ++e)
             if (is_used_[e]) cut(e);
-        for (std::uint32_t f = 0; f < shell_.faces.size(); ++f)
-            for (const TrimmedPatch& patch : shell_.faces[f].patches) add_face(f, patch);
+        for (std::uint32_t f = 0; f < capped_.faces.size(); ++f)
+            for (const TrimmedPatch& patch : capped_.faces[f].patches) add_face(f, patch);
         check_uses();
         drop_short_edges();
         find_parts();
@@ -159,7 +161,7 @@ private:
             const RationalCurve3& curve = shell_.edges[e].curve;
             cuts_[e].at = {curve.domain_begin(), curve.domain_end()};
         }
-        for (const CellFace& face : shell_.faces)
+        for (const CellFace& face : capped_.faces)
             for (const TrimCurve& c : face.trims())
                 if (c.edge) {
                     is_used_[*c.edge] = true;
@@ -205,7 +207,7 @@ private:
     void note(const Vec3& p, const Vec3& q) { solid_.off = std::max(solid_.off, (p - q).norm()); }
 
     void add_face(std::uint32_t f, const TrimmedPatch& patch) {
-        Solid::Face face{f, &patch.surface, f >= cell_faces_, {}};
+        Solid::Face face{f, patch.surface, f >= cell_faces_, {}};
         for (const auto& loop : patch.loops) {
             face.loops.emplace_back();
             for (std::size_t i = 0; i < loop.size(); ++i)
@@ -267,20 +269,29 @@ private:
         return {e, false, c.curve};
     }
 
-    // A seam runs from edge to edge, or from or to a tip, or alone around a face that has no edge there.
+    // A seam runs from edge to edge, or from or to a cap or a tip, or alone around a face that has no edge
+    // there.
     std::array<std::uint32_t, 2> seam_ends(std::uint32_t f, const std::vector<TrimCurve>& loop, std::size_t i,
                                            const RationalCurve3& curve) {
         if (loop.size() == 1) {
             const std::uint32_t v = add_vertex(curve.evaluate(curve.domain_begin()));
             return {v, v};
         }
-        const TrimCurve &before = loop[(i + loop.size() - 1) % loop.size()],
-                        &after = loop[(i + 1) % loop.size()];
-        if (before.seam || after.seam) throw InternalError("solid_of: seams that meet");
-        return {before.edge ? cuts_[*before.edge].vertices[place(before)[before.reversed ? 0 : 1]]
-                            : tip(f, before, curve.evaluate(curve.domain_begin())),
-                after.edge ? cuts_[*after.edge].vertices[place(after)[after.reversed ? 1 : 0]]
-                           : tip(f, after, curve.evaluate(curve.domain_end()))};
+        const auto at_caps = capped_.ends.find(*loop[i].seam);
+        std::array<std::uint32_t, 2> ends{};
+        for (const std::size_t k : {0u, 1u}) {
+            const TrimCurve& next = loop[(i + (k == 0 ? loop.size() - 1 : 1)) % loop.size()];
+            const double t = k == 0 ? curve.domain_begin() : curve.domain_end();
+            if (at_caps != capped_.ends.end() && at_caps->second[k])
+                ends[k] = static_cast<std::uint32_t>(shell_.vertices.size()) + *at_caps->second[k];
+            else if (next.edge)
+                ends[k] = cuts_[*next.edge].vertices[place(next)[next.reversed == (k == 0) ? 0 : 1]];
+            else if (next.is_tip())
+                ends[k] = tip(f, next, curve.evaluate(t));
+            else
+                throw InternalError("solid_of: seams that meet");
+        }
+        return ends;
     }
 
     // A face has two at most: one that it lies above in its patches' parameters, and one that it lies below.
@@ -402,6 +413,7 @@ private:
     }
 
     const Shell& shell_;
+    const CappedFaces capped_;
     std::size_t cell_faces_;
     double shortest_;
     std::vector<Cuts> cuts_;

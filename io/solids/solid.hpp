@@ -12,8 +12,8 @@ namespace vcell {
 
 struct Solid {
     /// A part of an edge of the shell between seams, or a seam. A closed one starts and ends in one vertex.
-    /// Where seams come together in a tip of the surface, a vertex of the solid, its patches have a side that
-    /// is one point: loops have a gap there in the parameters, and no edge.
+    /// Seams come together in a tip of the surface, and at caps on it (with_tip_caps()). At a tip that has
+    /// none patches have a side that is one point: loops have a gap there in the parameters, and no edge.
     struct Edge {
         std::array<std::uint32_t, 2> vertices;  ///< start and end of the curve
         RationalCurve3 curve;
@@ -24,8 +24,8 @@ struct Solid {
         RationalCurve2 curve;  ///< in the edge's sense, and with its parameter
     };
     struct Face {
-        std::uint32_t of;  ///< the shell's face, of which this is one patch
-        const RationalPatch* surface;
+        std::uint32_t of;  ///< the shell's face, of which this is one patch, or a cap of one
+        RationalPatch surface;
         bool is_flat;  ///< closes the shell: origin + u x + v y
         std::vector<std::vector<Use>> loops;
     };
@@ -39,7 +39,7 @@ struct Solid {
     double off = 0;
 };
 
-/// `cell_faces` is how many of the shell's faces are the cell's own. The shell must outlive the result. Edges
+/// `cell_faces` is how many of the shell's faces are the cell's own. Edges
 /// within `shortest`, a length, or within what the solid is off otherwise, of where they start are left out:
 /// their ends are one vertex. Throws InternalError where an edge is not used once each way.
 Solid solid_of(const Shell& shell, std::size_t cell_faces, double shortest = 0);

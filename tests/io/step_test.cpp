@@ -3,11 +3,14 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/solids/solid.hpp"
@@ -152,7 +155,7 @@ TEST_CASE("step: a face without an edge has its seam for one, closed, with its c
             const double t = curve.domain_begin() + (curve.domain_end() - curve.domain_begin()) * k / 100;
             const Vec2 uv = face.loops.at(0).at(0).curve.evaluate(t);
             const Vec3 p = curve.evaluate(t);
-            CHECK((face.surface->evaluate(uv.x(), uv.y()) - p).norm() < 1e-12);
+            CHECK((face.surface.evaluate(uv.x(), uv.y()) - p).norm() < 1e-12);
             // As far from the ball as from the wall.
             CHECK((p - Vec3(6, 3, 6)).norm() + (p - Vec3(2, 5, 4)).norm() ==
                   doctest::Approx(6).epsilon(1e-13));
@@ -184,6 +187,93 @@ TEST_CASE("step: where the base runs through a corner of the box no edge is a po
                     CHECK(solid.edges[use.edge].vertices[use.reversed ? 0 : 1] ==
                           solid.edges[next.edge].vertices[next.reversed ? 1 : 0]);
                 }
+    }
+}
+
+namespace {
+
+// Loops are closed in space and in the parameters, and lie on the edges at the same parameter.
+void check_loops(const Solid& solid) {
+    for (const Solid::Face& face : solid.faces)
+        for (const auto& loop : face.loops)
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const Solid::Use &use = loop[i], &next = loop[(i + 1) % loop.size()];
+                CHECK(solid.edges[use.edge].vertices[use.reversed ? 0 : 1] ==
+                      solid.edges[next.edge].vertices[next.reversed ? 1 : 0]);
+                const auto end = [](const Solid::Use& of, bool is_last) {
+                    return of.curve.evaluate(is_last == of.reversed ? of.curve.domain_begin()
+                                                                    : of.curve.domain_end());
+                };
+                CHECK((end(use, true) - end(next, false)).norm() < 1e-9);
+                const RationalCurve3& curve = solid.edges[use.edge].curve;
+                for (int k = 0; k <= 64; ++k) {
+                    const double t =
+                        curve.domain_begin() + (curve.domain_end() - curve.domain_begin()) * k / 64;
+                    const Vec2 uv = use.curve.evaluate(t);
+                    CHECK((face.surface.evaluate(uv.x(), uv.y()) - curve.evaluate(t)).norm() <=
+                          solid.off + 1e-12);
+                }
+            }
+}
+
+}  // namespace
+
+TEST_CASE("step: a tip is a corner of caps, and no side of a patch is a point") {
+    const Sphere ball{{0.25, 0.125, 0}, 0.25}, low{{1.25, 0.125, 0.1875}, 0.125};
+    const Plane floor{{0, 0, 0}, {0, 0, 1}};
+    const Vec3 apex(0, 0, -2), other_apex(-0.28, 0.13, -2), in_silo(0.25, 0, 0);
+    struct Tips {
+        Object base;
+        std::vector<Object> objects;
+        Vec3 on_axis, axis;
+        std::size_t number, patches;
+    };
+    const auto tube = [](const Object& base, const Vec3& p, const Vec3& axis, double radius,
+                         std::size_t number, const std::vector<Object>& others) {
+        Tips tips{base, {HollowCylinder{p, axis, radius}}, p, axis, number, 3};
+        tips.objects.insert(tips.objects.end(), others.begin(), others.end());
+        return tips;
+    };
+    const auto cone = [](const Object& base, const Vec3& p, const Vec3& axis, double slant) {
+        return Tips{base, {HollowCone{p, axis, 1, slant}}, p, axis, 2, 3};
+    };
+    // In the second cone the degrees of a patch were raised, so that its weights are positive.
+    for (const Tips& tips :
+         {tube(ball, {0, 0, 0}, {0.25, 0.375, 1}, 1, 2, {}), cone(ball, apex, {0.125, 0.25, 1}, 2),
+          cone(Sphere{{0, -0.15, -0.15}, 0.3}, other_apex, {0.19, 0.2, 1}, 3),
+          tube(floor, in_silo, {0.125, 0, 1}, 1.25, 1, {}),
+          tube(floor, in_silo, {0, 0, 1}, 1.25, 1, {low})}) {
+        Scene scene;
+        scene.base = tips.base;
+        scene.objects = tips.objects;
+        scene.box = {Vec3::Constant(-3), Vec3::Constant(3)};
+        const Cell cell = voronoi_cell(scene);
+        std::size_t patches = 0, sides_at_tips = 0;
+        for (const CellFace& face : cell.faces) {
+            patches += face.patches.size();
+            sides_at_tips += static_cast<std::size_t>(
+                std::ranges::count_if(face.trims(), [](const TrimCurve& c) { return c.is_tip(); }));
+        }
+        CHECK(sides_at_tips == tips.number * tips.patches);
+        const Shell shell = closed_shell(cell);
+        const Solid solid = solid_of(shell, cell.faces.size());
+        CHECK(solid.parts.size() == 1);
+        CHECK(solid.off < 1e-6);
+        CHECK(solid.vertices.size() + solid.faces.size() == solid.edges.size() + 2);
+        CHECK(solid.faces.size() == patches + sides_at_tips + shell.faces.size() - cell.faces.size());
+        check_loops(solid);
+        std::size_t on_axis = 0;
+        for (std::uint32_t v = 0; v < solid.vertices.size(); ++v) {
+            if ((solid.vertices[v] - tips.on_axis).cross(tips.axis.normalized()).norm() > 1e-9) continue;
+            ++on_axis;
+            const auto meets = [&](const Solid::Edge& e) { return std::ranges::count(e.vertices, v); };
+            CHECK(std::accumulate(solid.edges.begin(), solid.edges.end(), std::ptrdiff_t{0},
+                                  [&](std::ptrdiff_t sum, const Solid::Edge& e) { return sum + meets(e); }) ==
+                  static_cast<std::ptrdiff_t>(tips.patches));
+        }
+        CHECK(on_axis == tips.number);
+        for (const Solid::Face& face : solid.faces)
+            for (const Eigen::Vector4d& p : face.surface.points) CHECK(p.w() > 0);
     }
 }
 
