@@ -1,8 +1,14 @@
-# Debian packages: `cpack` in the build folder makes vcell, the program with its manual, bash completion and scenes to
-# start from; libvcell-dev, the libraries; and, where the Python module is built for Debian's own Python, python3-vcell.
+# Debian packages: `cpack` in the build folder makes vcell, the program with its manual, completion for shells and scenes
+# to start from; libvcell-dev, the libraries; and, where the Python module is built for Debian's own Python, python3-vcell.
 # Manual pages are what --help prints, so that they say the same.
 if(TARGET vcell_program)
   install(FILES apps/completion/vcell DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+          COMPONENT program)
+  # Debian's zsh looks into the first of these folders below /usr; others', and Debian's below /usr/local, into the second.
+  foreach(folder IN ITEMS vendor-completions site-functions)
+    install(FILES apps/completion/_vcell DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${folder} COMPONENT program)
+  endforeach()
+  install(FILES apps/completion/vcell.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
           COMPONENT program)
   find_program(VCELL_HELP2MAN NAMES help2man)
   if(VCELL_HELP2MAN)

@@ -1,5 +1,5 @@
-# The program's Debian package as a user meets it: unpacked into FOLDER it runs, has its manual, and bash completes
-# its commands and options.
+# The program's Debian package as a user meets it: unpacked into FOLDER it runs, has its manual, and bash, zsh
+# and fish, of these what is there, complete its commands and options.
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 execute_process(COMMAND ${CPACK} -G DEB -D CPACK_COMPONENTS_ALL=program -D CPACK_PACKAGE_DIRECTORY=${FOLDER}
@@ -31,4 +31,36 @@ execute_process(
   OUTPUT_VARIABLE completed COMMAND_ERROR_IS_FATAL ANY)
 if(NOT completed STREQUAL "diagram\n--periodic\n")
   message(FATAL_ERROR "bash completed to ${completed}")
+endif()
+foreach(completion IN ITEMS zsh/vendor-completions/_vcell zsh/site-functions/_vcell
+                            fish/vendor_completions.d/vcell.fish)
+  if(NOT EXISTS ${FOLDER}/root/usr/share/${completion})
+    message(FATAL_ERROR "the package lacks ${completion}")
+  endif()
+endforeach()
+set(ENV{PATH} "${FOLDER}/root/usr/bin:$ENV{PATH}")
+find_program(ZSH NAMES zsh)
+if(ZSH)
+  # What zsh offers before it compares it with what was typed.
+  execute_process(
+    COMMAND ${ZSH} -f -c "
+      compadd() { print -r -- \"\$@\" }
+      _describe() { print -r -- \"\${(P)@[-1]}\" }
+      words=(vcell dia) CURRENT=2; . '${FOLDER}/root/usr/share/zsh/vendor-completions/_vcell'
+      words=(vcell diagram --per) CURRENT=3; . '${FOLDER}/root/usr/share/zsh/vendor-completions/_vcell'"
+    OUTPUT_VARIABLE completed COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT completed MATCHES " diagram:the cells of all objects\n.* --periodic ")
+    message(FATAL_ERROR "zsh completed to ${completed}")
+  endif()
+endif()
+find_program(FISH NAMES fish)
+if(FISH)
+  execute_process(
+    COMMAND ${FISH} --no-config -c "
+      source '${FOLDER}/root/usr/share/fish/vendor_completions.d/vcell.fish'
+      complete -C 'vcell dia'; complete -C 'vcell diagram --per'"
+    OUTPUT_VARIABLE completed COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT completed STREQUAL "diagram\tthe cells of all objects\n--periodic\n")
+    message(FATAL_ERROR "fish completed to ${completed}")
+  endif()
 endif()
