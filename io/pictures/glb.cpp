@@ -91,6 +91,7 @@ private:
             for (const std::uint32_t p : mesh_.lines[i]) points.push_back(mesh_.points[p] - node.center);
             if (points.size() < 2) continue;
             node.primitives.push_back({positions(points), {}, {}, line_material_, 0});
+            has_lines_ = true;
         }
         if (!node.primitives.empty()) ++meshes_;
         nodes_.push_back(std::move(node));
@@ -228,7 +229,7 @@ private:
         };
         json.line_key("materials").array([&] {
             for (const LabelledMesh::Material& m : mesh_.materials) write(m.name, m.colour);
-            write("edges", "#222222");
+            if (has_lines_) write("edges", "#222222");
         });
     }
 
@@ -273,6 +274,7 @@ private:
 
     const LabelledMesh& mesh_;
     const std::size_t line_material_;  // after the mesh's
+    bool has_lines_ = false;
     Bytes vectors_, indices_;
     std::vector<Accessor> accessors_;
     std::vector<Node> nodes_;

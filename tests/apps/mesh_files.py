@@ -52,12 +52,73 @@ class Glb:
         check((magic, version, length) == (b"glTF", 2, len(data)), f"{path.name}: header")
         size, kind = struct.unpack_from("<I4s", data, 12)
         check(kind == b"JSON" and size % 4 == 0, f"{path.name}: first chunk")
-        self.name, self.json = path.name, json.loads(data[20:20 + size])
+        self.name, text = path.name, data[20:20 + size]
+        self.json, self.padding = json.loads(text), text[text.rindex(b"}") + 1:]
         bin_size, kind = struct.unpack_from("<I4s", data, 20 + size)
         check(kind == b"BIN\0" and bin_size % 4 == 0 and 28 + size + bin_size == length, f"{path.name}: second chunk")
         self.bytes = data[28 + size:]
         check(self.json["buffers"] == [{"byteLength": bin_size}], f"{path.name}: buffer")
         check(self.json["asset"]["version"] == "2.0", f"{path.name}: asset")
+        self.check_layout()
+        self.check_accessors()
+        self.check_scene()
+
+    def check_layout(self):
+        """Chunks of glTF 2.0 (4.4) are padded with blanks and zeros; views (3.6) lie in the buffer, one after the other."""
+        check(not self.padding.strip(b" ") and not any(self.bytes[self.ends_of_views()[-1]:]), f"{self.name}: padding")
+        end = 0
+        for number, view in enumerate(self.json["bufferViews"]):
+            begin = view.get("byteOffset", 0)
+            check(view["buffer"] == 0 and view["byteLength"] > 0 and begin % 4 == 0, f"{self.name}: view {number}")
+            check(end <= begin < end + 4 and not any(self.bytes[end:begin]), f"{self.name}: a gap before view {number}")
+            end = begin + view["byteLength"]
+            stride = view.get("byteStride", 4)
+            check(4 <= stride <= 252 and stride % 4 == 0, f"{self.name}: stride of view {number}")
+            check(view["target"] == 34962 or (view["target"] == 34963 and "byteStride" not in view), f"{self.name}: target of view {number}")
+        check(end <= len(self.bytes) < end + 4, f"{self.name}: the buffer's length")
+
+    def ends_of_views(self):
+        return [view.get("byteOffset", 0) + view["byteLength"] for view in self.json["bufferViews"]]
+
+    def check_accessors(self):
+        """Whatever is there is used, and for one purpose; numbers are finite (3.6.2)."""
+        uses = collections.defaultdict(set)
+        for mesh in self.json["meshes"]:
+            check(len(mesh["primitives"]) > 0, f"{self.name}: a mesh of nothing")
+            for p in mesh["primitives"]:
+                check(set(p) <= {"attributes", "indices", "material", "mode", "extras"}, f"{self.name}: {set(p)} of a primitive")
+                check(set(p["attributes"]) <= {"POSITION", "NORMAL"}, f"{self.name}: attributes")
+                for kind, number in [*p["attributes"].items(), *([("indices", p["indices"])] if "indices" in p else [])]:
+                    uses[number].add(kind)
+        accessors = self.json["accessors"]
+        check(set(uses) == set(range(len(accessors))), f"{self.name}: accessors that nothing uses")
+        check({a["bufferView"] for a in accessors} == set(range(len(self.json["bufferViews"]))), f"{self.name}: views that nothing uses")
+        for number, a in enumerate(accessors):
+            check(len(uses[number]) == 1 and set(a) <= {"bufferView", "byteOffset", "componentType", "count", "type", "min", "max"}, f"{self.name}: accessor {number}")
+            values = self.accessor(number, 34963 if uses[number] == {"indices"} else 34962)
+            if uses[number] == {"indices"}:
+                check(all(i != 0xFFFFFFFF for i, in values), f"{self.name}: an index that restarts")
+            else:
+                check(all(math.isfinite(x) for v in values for x in v), f"{self.name}: a number that is not finite")
+
+    def check_scene(self):
+        """Nodes are trees (3.5.2), each reached once; factors of materials (3.9) are parts of one."""
+        nodes = self.json["nodes"]
+        reached, ahead = [], list(self.json["scenes"][self.json["scene"]]["nodes"])
+        while ahead and len(reached) <= len(nodes):
+            reached.append(ahead.pop())
+            ahead += nodes[reached[-1]].get("children", [])
+        check(sorted(reached) == list(range(len(nodes))), f"{self.name}: nodes are no tree")
+        check(sorted(n["mesh"] for n in nodes if "mesh" in n) == list(range(len(self.json["meshes"]))), f"{self.name}: meshes of nodes")
+        for node in nodes:
+            check(abs(math.hypot(*node.get("rotation", (0, 0, 0, 1))) - 1) < 1e-9, f"{self.name}: a rotation that is none")
+            check(all(math.isfinite(x) for x in node.get("translation", ())), f"{self.name}: a translation")
+        for material in self.json["materials"]:
+            pbr = material["pbrMetallicRoughness"]
+            factors = [*pbr["baseColorFactor"], pbr.get("metallicFactor", 1), pbr.get("roughnessFactor", 1)]
+            check(len(factors) == 6 and all(0 <= x <= 1 for x in factors), f"{self.name}: a material")
+        used = {p["material"] for mesh in self.json["meshes"] for p in mesh["primitives"]}
+        check(used == set(range(len(self.json["materials"]))), f"{self.name}: materials that nothing has")
 
     def accessor(self, number, target):
         a = self.json["accessors"][number]
