@@ -16,15 +16,23 @@ namespace vcell {
 
 namespace {
 
+// Some direction across both where they are all but parallel: a patch as wide as the spacing of doubles has
+// places where one parameter moves nothing.
+Vec3 unit_across(const Vec3& du, const Vec3& dv) {
+    const Vec3 n = du.cross(dv).stableNormalized();
+    if (n != Vec3::Zero()) return n;
+    const Vec3 along = du.squaredNorm() > dv.squaredNorm() ? du : dv;
+    return along != Vec3::Zero() ? Vec3(along.unitOrthogonal()) : Vec3(Vec3::UnitZ());
+}
+
 // In a tip, where u moves nothing, it is that beside the tip.
 Vec3 unit_normal(const RationalPatch& s, const Vec2& p) {
     const auto [du, dv] = s.partials(p.x(), p.y());
-    const Vec3 n = du.cross(dv);
     constexpr double next_to_nothing = 0x1p-40, aside = 0x1p-10;
-    if (du.norm() > next_to_nothing * dv.norm()) return n.stableNormalized();
+    if (du.norm() > next_to_nothing * dv.norm()) return unit_across(du, dv);
     const double middle = 0.5 * (s.domain_v[0] + s.domain_v[1]), beside = p.y() + aside * (middle - p.y());
     const auto [du2, dv2] = s.partials(p.x(), beside);
-    return du2.cross(dv2).stableNormalized();
+    return unit_across(du2, dv2);
 }
 
 // Half way between two points of a patch in space, straight in parameters.

@@ -489,6 +489,11 @@ TEST_CASE("mesh: triangles in needles and slits are not turned over") {
     CHECK(folded_area(bend) <= 3e-4 * bend_area);
 }
 
+TEST_CASE("mesh: normals are unit where a patch is as wide as the spacing of doubles") {
+    const Cell cell = voronoi_cell(read_scene(test_data("hostile/needle_of_no_width.json")));
+    for (const Vec3& n : tessellate(cell).normals) CHECK(std::abs(n.norm() - 1) < 1e-12);
+}
+
 TEST_CASE("mesh: a rim that does not close is told") {
     Cell cell = paraboloid_cell();
     cell.faces[0].patches[0].loops[0].pop_back();
