@@ -1,6 +1,7 @@
 #include "face_cut.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -206,16 +207,41 @@ private:
         ++seams_;
     }
 
-    // Calls use(point) along a loop, finely enough for its shape.
+    // Calls use(point) along a loop, finely enough for its shape: of curved Bezier pieces at their quarters.
     template <class Use>
     static void walk(const std::vector<TrimCurve>& loop, Use use) {
         for (const TrimCurve& trim : loop) {
-            const RationalCurve2& c = trim.curve;
-            const std::size_t steps = c.degree == 1 ? 1 : 4 * (c.points.size() / c.degree);
-            for (std::size_t k = 0; k < steps; ++k)
-                use(c.evaluate(std::lerp(c.domain_begin(), c.domain_end(),
-                                         static_cast<double>(k) / static_cast<double>(steps))));
+            const auto degree = static_cast<std::size_t>(trim.curve.degree);
+            const auto& points = trim.curve.points;
+            for (std::size_t first = 0; first + 1 < points.size(); first += degree) {
+                use(points[first].head<2>());
+                if (degree == 1) continue;
+                for (const std::array<double, 6>& share : quarters(degree)) {
+                    Vector3d sum = Vector3d::Zero();
+                    for (std::size_t i = 0; i <= degree; ++i) {
+                        const Vector3d& p = points[first + i];
+                        sum += share[i] * p.z() * Vector3d(p.x(), p.y(), 1);
+                    }
+                    use(sum.head<2>() / sum.z());
+                }
+            }
         }
+    }
+    // Bernstein's polynomials of a degree up to 5 at the inner quarters of [0, 1].
+    static const std::array<std::array<double, 6>, 3>& quarters(std::size_t degree) {
+        static const auto all = [] {
+            std::array<std::array<std::array<double, 6>, 3>, 6> values{};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double t = 0.25 * static_cast<double>(k + 1);
+                values[0][k][0] = 1;
+                for (std::size_t n = 1; n < values.size(); ++n)
+                    for (std::size_t i = 0; i <= n; ++i)
+                        values[n][k][i] =
+                            (1 - t) * values[n - 1][k][i] + (i > 0 ? t * values[n - 1][k][i - 1] : 0);
+            }
+            return values;
+        }();
+        return all[degree];
     }
 
     static double signed_area(const std::vector<TrimCurve>& loop) {

@@ -1,5 +1,6 @@
 #include "face_surfaces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 #include "../../core/threads.hpp"
 #include "../../primitives/objects/message.hpp"
 #include "conic_trim.hpp"
+#include "face_chords.hpp"
 #include "face_cut.hpp"
 #include "joined_spans.hpp"
 
@@ -44,11 +46,15 @@ void FaceSurfaces::make() {
             if (!patches_.is_cut(face) && !holds_vertices(face)) change_patch(face);
         to_fit = asked_for();
     }
+    if (!problem_.chart.is_sphere())
+        for (const FaceId face : all) suit_patches(face);
     fits_.grant(to_fit.size());
     fits_.fit(to_fit);
     if (fits_.refine()) fits_.fit(to_fit);
     for (std::vector<FaceId> changed = made(all); !changed.empty();) {
         to_fit.clear();
+        if (!problem_.chart.is_sphere())
+            for (const FaceId face : changed) suit_patches(face);
         for (const FaceId face : changed)
             loops_.around(face, [&](EdgeId e, bool) {
                 if (fits_.is_asked_for(e)) to_fit.push_back(e);
@@ -92,6 +98,16 @@ std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
         }
     }
     return changed;
+}
+
+// Trims for patches that do not even hold what is known of the face's boundary are not worth fitting.
+void FaceSurfaces::suit_patches(FaceId face) {
+    const FaceChords chords({problem_, diagram_}, loops_, patches_, curves_, face);
+    while (true) {
+        const std::vector<bool> is_too_wide = chords.too_wide();
+        if (std::ranges::find(is_too_wide, true) == is_too_wide.end()) return;
+        if (!patches_.change(face, is_too_wide)) return;
+    }
 }
 
 // A patch with a weight that is not positive does not hold its face.

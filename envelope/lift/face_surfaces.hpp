@@ -42,6 +42,7 @@ private:
 
     TrimmedPatch& whole(FaceId face);
     std::vector<FaceId> made(const std::vector<FaceId>& faces);
+    void suit_patches(FaceId face);
     void change_patch(FaceId face);
     [[noreturn]] void throw_undecided(FaceId face) const;
     bool make_whole(FaceId face, std::vector<EdgeId>& bent);

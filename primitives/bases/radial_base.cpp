@@ -74,7 +74,7 @@ std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
         if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
         // Axes that cross where the base has turned, and tubes with them, may pass each other there by a
         // rounding.
-        const BisectorKind kind = bisector(problem.given_base, problem.given[form]).kind;
+        const BisectorKind kind = bisector_kind(problem.given_base, problem.given[form]);
         return to_string(kind == BisectorKind::PairOfPlanes ? BisectorKind::Plane : kind);
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object))

@@ -95,14 +95,25 @@ struct RoundPair {
 
 // Equal distances: sqrt(A) - side sqrt(B) = difference, where A and B are the squared distances from
 // centres or axes. Squared twice, with a common norm: (A - B + difference^2)^2 = 4 difference^2 A.
-Bisector of_rounds(const RoundSurface& p, const RoundSurface& q, bool is_hollow = false) {
+Polynomial3 equation_of_rounds(const RoundSurface& p, const RoundSurface& q, const Exact& difference) {
+    const Exact norm = p.norm * q.norm, square = difference * difference;
+    const Polynomial3 A = q.norm * p.squared(), B = p.norm * q.squared();
+    if (square.sign() == Sign::Zero) return A - B;
+    const Polynomial3 lifted = A - B + Polynomial3(norm * square);
+    return lifted * lifted - Exact(4.0) * norm * square * A;
+}
+
+// What kind it is takes a small part of what its equation takes.
+enum class AskedFor : bool { Kind, Equation };
+
+Bisector of_rounds(const RoundSurface& p, const RoundSurface& q, bool is_hollow = false,
+                   AskedFor what = AskedFor::Equation) {
     const RoundPair pair(p, q, is_hollow);
     if (pair.is_same) return {};
-    const Exact norm = p.norm * q.norm, square = pair.difference * pair.difference;
-    const Polynomial3 A = q.norm * p.squared(), B = p.norm * q.squared();
+    const Exact square = pair.difference * pair.difference;
     const bool equal = square.sign() == Sign::Zero;
-    const Polynomial3 lifted = A - B + Polynomial3(norm * square);
-    const Polynomial3 f = equal ? A - B : lifted * lifted - Exact(4.0) * norm * square * A;
+    const Polynomial3 f =
+        what == AskedFor::Equation ? equation_of_rounds(p, q, pair.difference) : Polynomial3();
     const bool parallel = p.is_cylinder() == q.is_cylinder() && cross(p.axis, q.axis).is_zero();
 
     if (parallel) {
@@ -409,6 +420,12 @@ Bisector bisector(const Object& base, const Object& a) {
     if (p != nullptr) return of_plane_and_round(ExactPlane(*p), true, round_surface(a));
     if (q != nullptr) return of_plane_and_round(ExactPlane(*q), false, round_surface(base));
     return of_rounds(round_surface(base), round_surface(a));
+}
+
+BisectorKind bisector_kind(const Object& base, const Object& a) {
+    const auto is_round = [](const Object& o) { return !is_vessel(o) && !std::holds_alternative<Plane>(o); };
+    if (!is_round(base) || !is_round(a)) return bisector(base, a).kind;
+    return of_rounds(round_surface(base), round_surface(a), false, AskedFor::Kind).kind;
 }
 
 std::optional<RationalPatch> bisector_patch(const Object& base, const Object& a,

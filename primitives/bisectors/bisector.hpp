@@ -59,6 +59,8 @@ struct Bisector {
 /// Decided exactly, but for |n| as above: parallel, crossing, concentric, containing are what the doubles
 /// say.
 Bisector bisector(const Object& base, const Object& a);
+/// The bisector's kind alone, which takes no equation.
+BisectorKind bisector_kind(const Object& base, const Object& a);
 
 /// The piece of the bisector over a rectangle of the parameters (u, v):
 ///
