@@ -5,15 +5,26 @@
 #include <cstdint>
 #include <utility>
 
-#include "../../primitives/fit/arc_equations.hpp"
 #include "joined_spans.hpp"
 #include "trim_bounds.hpp"
 
 namespace vcell::radial {
 
+namespace {
+
+// From the middle of the base's stretch, as good as any foot for doubles.
+space_fit::Equation site_of(const RadialDiagram& of, FaceId face) {
+    const FormId form = of.diagram.face_forms[face];
+    const Vec3 foot(0, 0.5 * (of.problem.stretch[0] + of.problem.stretch[1]), 0);
+    return space_fit::site_equation(of.problem.chart, of.problem.objects[form], is_wall(of.problem, form),
+                                    foot);
+}
+
+}  // namespace
+
 FaceChords::FaceChords(const RadialDiagram& of, const FaceLoops& loops, const FacePatches& patches,
                        const RadialCurves& curves, FaceId face)
-    : of_(of), patches_(patches), face_(face) {
+    : of_(of), patches_(patches), face_(face), site_(site_of(of, face)) {
     for (const CcbId ccb : loops[face]) {
         std::vector<Vec3>& loop = points_.emplace_back();
         loops.around(ccb, [&](EdgeId e, bool reversed) { add_edge(e, reversed, curves, loop); });
@@ -57,10 +68,7 @@ void FaceChords::add_edge(EdgeId e, bool reversed, const RadialCurves& curves,
 }
 
 Vec3 FaceChords::lifted(const Vec3& foot, const Vec3& normal) const {
-    const FormId form = of_.diagram.face_forms[face_];
-    const space_fit::Equation site = space_fit::site_equation(of_.problem.chart, of_.problem.objects[form],
-                                                              is_wall(of_.problem, form), foot);
-    return foot + site.distance_along(foot, normal) * normal;
+    return foot + site_.distance_along(foot, normal) * normal;
 }
 
 std::vector<bool> FaceChords::too_wide() const {
@@ -97,8 +105,8 @@ bool FaceChords::holds(const RadialPatch& patch, const std::vector<TrimCurve>& l
     return patch.patch(box[0], box[1], of_.problem.frame, rounding).has_value();
 }
 
-// Straight from point to point. Where two points lie in two sectors a run ends in the side between these at
-// the height of its last point: at no height that the trims do not reach.
+// Straight from point to point. Where two points lie in two sectors a run ends in the side between these
+// where the line to the point beyond meets it.
 std::optional<FaceChords::Runs> FaceChords::runs() const {
     const std::span<const Sector> sectors = patches_.sectors(face_);
     const auto count = static_cast<std::uint32_t>(sectors.size());
@@ -141,22 +149,28 @@ std::optional<FaceChords::Runs> FaceChords::runs() const {
                                                               : std::nullopt;
                 return is_next ? std::optional(true) : is_last ? std::optional(false) : std::nullopt;
             };
-            const double reach = sectors[within].reach();
+            const Sector& sector = sectors[within];
+            const auto add_on_side = [&](const Vec2& at, const Vec3& beyond, bool is_last) {
+                const double u = is_last ? sector.reach() : -sector.reach();
+                const Vec2 to = sector.patch.parameters(beyond);
+                const double part = (u - at.x()) / (to.x() - at.x());
+                add(u, part >= 0 && part <= 1 ? std::lerp(at.y(), to.y(), part) : at.y());
+            };
             if (first < n) {
-                const Place& begin = places[(first + i) % n];
-                const auto comes_over = side(places[(first + i + n - 1) % n], begin);
+                const std::size_t begin = (first + i) % n, before = (begin + n - 1) % n;
+                const auto comes_over = side(places[before], places[begin]);
                 if (!comes_over) return std::nullopt;
-                add(*comes_over ? -reach : reach, begin.at.y());
+                add_on_side(places[begin].at, loop[before], !*comes_over);
             }
             for (; i < n && places[(first + i) % n].within == within; ++i) {
                 const Vec2& at = places[(first + i) % n].at;
                 add(at.x(), at.y());
             }
             if (first < n) {
-                const Place& end = places[(first + i + n - 1) % n];
-                const auto leaves_over = side(end, places[(first + i) % n]);
+                const std::size_t beyond = (first + i) % n, end = (beyond + n - 1) % n;
+                const auto leaves_over = side(places[end], places[beyond]);
                 if (!leaves_over) return std::nullopt;
-                add(*leaves_over ? reach : -reach, end.at.y());
+                add_on_side(places[end].at, loop[beyond], *leaves_over);
             } else {
                 points.push_back(points.front());
             }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "../../primitives/fit/arc_equations.hpp"
 #include "based_diagram.hpp"
 #include "face_cut.hpp"
 #include "face_loops.hpp"
@@ -37,6 +38,7 @@ private:
     const RadialDiagram of_;
     const FacePatches& patches_;
     const FaceId face_;
+    const space_fit::Equation site_;         // of the face's form
     std::vector<std::vector<Vec3>> points_;  // around each loop, in space
 };
 

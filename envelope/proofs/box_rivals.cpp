@@ -45,9 +45,10 @@ std::vector<Spread> BoxRivals::lowest_spreads(const std::array<double, 4>& box,
     for (Spread& s : spreads) s.v = heights_.value(s.form, mx, my);
     const auto certainly_above = [&](const Spread& a, const Spread& b) {
         return a.range.lower() > b.range.upper() ||
-               (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
-                (a.gy - b.gy).magnitude() * Interval(ry))
-                       .lower() > 0 ||
+               // What is subtracted is not negative.
+               (a.v.lower() > b.v.upper() && (a.v - b.v - (a.gx - b.gx).magnitude() * Interval(rx) -
+                                              (a.gy - b.gy).magnitude() * Interval(ry))
+                                                     .lower() > 0) ||
                (heights_.are_twins(a.form, b.form) && is_above_twin(a.form, b.form, X, Y));
     };
     const auto values = [&](const Spread& s) {

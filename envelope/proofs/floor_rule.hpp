@@ -202,8 +202,12 @@ private:
                 least = std::min(least, r.upper());
             }
         }
-        const Item best_floor = floor != nullptr ? *floor : Item(),
-                   best_other = other != nullptr ? *other : Item();
+        if (floor == nullptr) {
+            const Item best = *other;
+            std::erase_if(items, [&](const Item& i) { return above(i, best); });
+            return;
+        }
+        const Item best_floor = *floor, best_other = other != nullptr ? *other : Item();
         std::erase_if(items, [&](const Item& i) {
             return is_of_floor(form(i)) ? above(best_floor, i) : above(i, best_other);
         });

@@ -10,6 +10,9 @@ void PieceCulling::by_curvature() {
     rule_.drop_hidden(
         work_.rivals, [](const Spread& s) { return s.form; },
         [&](const Spread& a, const Spread& b) {
+            // What is not positive in the middle is not so all over it.
+            if (!(a.bend->middle.v.lower() > b.bend->middle.v.upper()) && !heights_.are_twins(a.form, b.form))
+                return false;
             const HeightDifference d = work_.difference(a, b);
             return d.value(d.dx, d.dy).lower() > 0;
         });

@@ -181,7 +181,8 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
     };
     const auto certainly_above = [&](const Item& a, const Item& b) {
         return a.range.lower() > b.range.upper() ||
-               (a.v - b.v - Interval((a.slope - b.slope).magnitude()) * Interval(r)).lower() > 0 ||
+               (a.v.lower() > b.v.upper() &&  // what is subtracted is not negative
+                (a.v - b.v - (a.slope - b.slope).magnitude() * Interval(r)).lower() > 0) ||
                (heights_.are_twins(a.form, b.form) &&
                 line.is_above_twin(heights_, a.form, b.form, Interval(s0, s1)));
     };

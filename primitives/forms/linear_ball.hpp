@@ -107,6 +107,11 @@ constexpr double largest = 0x1p+900;
 inline Interval ball(double value, double error) {
     return error < largest ? Interval(value - error, value + error) : Interval::whole();
 }
+inline Interval hull_of_balls(DoublePair values, DoublePair errors) {
+    if (!(errors.first() < largest && errors.second() < largest)) return Interval::whole();
+    const DoublePair low = values + -errors, high = values + errors;
+    return {std::min(low.first(), low.second()), std::max(high.first(), high.second())};
+}
 
 }  // namespace linear_ball_detail
 
@@ -145,21 +150,21 @@ public:
         : x_(v[0].mid()), z_(v[2].mid()), x_radius_(v[0].radius()), z_radius_(v[2].radius()) {}
 
     // Of v_x s, |v_x - x| |s| + |x| |s - sine|; of computing the sum of two products u of each of these and u
-    // of the sum, of moving that outwards one more.
+    // of the sum, of moving that outwards one more. Side by side, as both take the same steps.
     std::array<Interval, 2> at(const TurnedEnd<Interval>& e) const {
         using namespace linear_ball_detail;
-        const auto sum = [](double p, double q, double error) {
-            const double value = p + q;
-            return ball(value, (error + u * (std::abs(p) + std::abs(q) + 2 * std::abs(value))) * larger +
-                                   4 * tiniest);
-        };
-        const double x = std::abs(x_), z = std::abs(z_), s = std::abs(e.sine), c = std::abs(e.cosine);
-        return {sum(x_ * e.sine, z_ * e.cosine,
-                    x_radius_ * s + z_radius_ * c + (x + x_radius_) * e.sine_error +
-                        (z + z_radius_) * e.cosine_error),
-                sum(x_ * e.cosine, -(z_ * e.sine),
-                    x_radius_ * c + z_radius_ * s + (x + x_radius_) * e.cosine_error +
-                        (z + z_radius_) * e.sine_error)};
+        const auto both = &DoublePair::both;
+        const DoublePair turned(e.sine, e.cosine), errors(e.sine_error, e.cosine_error), sizes = abs(turned);
+        const DoublePair p = both(x_) * turned, q = both(z_) * DoublePair(e.cosine, -e.sine), value = p + q;
+        const DoublePair error = both(x_radius_) * sizes + both(z_radius_) * sizes.swapped() +
+                                 both(std::abs(x_) + x_radius_) * errors +
+                                 both(std::abs(z_) + z_radius_) * errors.swapped();
+        const DoublePair bound =
+            (error + both(u) * (abs(p) + abs(q) + both(2) * abs(value))) * both(larger) + both(4 * tiniest);
+        const DoublePair low = value + -bound, high = value + bound;
+        if (!(bound.first() < largest && bound.second() < largest))
+            return {ball(value.first(), bound.first()), ball(value.second(), bound.second())};
+        return {Interval(low.first(), high.first()), Interval(low.second(), high.second())};
     }
     /// About v.u and its derivative by phi.
     std::array<double, 2> near(double sine, double cosine) const {
@@ -218,27 +223,23 @@ public:
 
     // By Horner's rule c1 + c2 y errs by u (|c2 y| + |c1 + c2 y|), the value by |y| times that, u of its own
     // product and u of itself; moving it outwards takes one more [Higham02, sec. 5.1]. Of the slope likewise.
+    // Both ends side by side.
     Range over(const Interval& y) const {
         using namespace linear_ball_detail;
-        const auto value = [&](double at) {
-            const double size = std::abs(at), square = middle_[2] * at, inner = middle_[1] + square,
-                         product = at * inner, sum = middle_[0] + product,
-                         inner_error =
-                             radius_[1] + size * radius_[2] + u * (std::abs(square) + std::abs(inner)),
-                         error =
-                             radius_[0] + size * inner_error + u * (std::abs(product) + 2 * std::abs(sum));
-            return ball(sum, error * larger + 4 * tiniest * (1 + size));
-        };
-        const auto slope = [&](double at) {
-            const double twice = 2 * middle_[2] * at, sum = middle_[1] + twice,
-                         error = radius_[1] + 2 * std::abs(at) * radius_[2] +
-                                 u * (std::abs(twice) + 2 * std::abs(sum));
-            return ball(sum, error * larger + 4 * tiniest);
-        };
-        const double low = y.lower(), high = y.upper();
-        if (low == high) return {value(low), slope(low)};
-        Range r{hull(value(low), value(high)), hull(slope(low), slope(high))};
-        if (is_curved_ && !r.slope.sign()) r.value = hull(r.value, turn_);
+        const auto both = &DoublePair::both;
+        const DoublePair at(y.lower(), y.upper()), size = abs(at);
+        const DoublePair square = both(middle_[2]) * at, inner = both(middle_[1]) + square,
+                         product = at * inner, sum = both(middle_[0]) + product;
+        const DoublePair inner_error =
+            both(radius_[1]) + size * both(radius_[2]) + both(u) * (abs(square) + abs(inner));
+        const DoublePair error =
+            both(radius_[0]) + size * inner_error + both(u) * (abs(product) + both(2) * abs(sum));
+        const DoublePair twice = both(2 * middle_[2]) * at, slope = both(middle_[1]) + twice;
+        const DoublePair slope_error = both(radius_[1]) + both(2) * size * both(radius_[2]) +
+                                       both(u) * (abs(twice) + both(2) * abs(slope));
+        Range r{hull_of_balls(sum, error * both(larger) + both(4 * tiniest) * (both(1) + size)),
+                hull_of_balls(slope, slope_error * both(larger) + both(4 * tiniest))};
+        if (is_curved_ && !r.slope.sign() && y.lower() != y.upper()) r.value = hull(r.value, turn_);
         return r;
     }
 

@@ -1,0 +1,70 @@
+// Faces cut into parts about an axis: what seams make of loops of straight runs, against areas by hand.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "../../envelope/lift/face_cut.hpp"
+#include "../../envelope/lift/joined_spans.hpp"
+
+namespace vcell::face_cut_test {
+namespace {
+
+BoundaryRun run(std::uint32_t within, const std::vector<Vec2>& points) {
+    BoundaryRun r{{}, within};
+    begin_joined(r.trim.curve, 1, points.size() - 1);
+    for (const Vec2& p : points) r.trim.curve.points.push_back({p.x(), p.y(), 1});
+    return r;
+}
+
+double area(const std::vector<TrimCurve>& loop) {
+    double twice = 0;
+    for (const TrimCurve& trim : loop)
+        for (std::size_t i = 0; i + 1 < trim.curve.points.size(); ++i) {
+            const auto &p = trim.curve.points[i], &q = trim.curve.points[i + 1];
+            twice += p.x() * q.y() - p.y() * q.x();
+        }
+    return 0.5 * twice;
+}
+
+}  // namespace
+
+TEST_CASE("face cut: a loop of one run with many corners is a part, and one the other way round its hole") {
+    const std::vector<Vec2> outer{{-0.5, 0}, {0.5, 0}, {0.5, 2}, {0, 1.5}, {-0.5, 2}, {-0.5, 0}},
+        hole{{-0.1, 0.5}, {0, 1}, {0.1, 0.5}, {-0.1, 0.5}};
+    std::uint32_t seams = 0;
+    const std::vector reaches{1.0, 1.0};
+    const auto parts = cut_face({{run(1, outer)}, {run(1, hole)}}, reaches, seams);
+    REQUIRE(parts);
+    REQUIRE(parts->size() == 1);
+    CHECK(seams == 0);
+    CHECK(parts->front().within == 1);
+    REQUIRE(parts->front().loops.size() == 2);
+    CHECK(std::abs(area(parts->front().loops[0]) - 1.75) < 1e-15);
+    CHECK(std::abs(area(parts->front().loops[1]) + 0.05) < 1e-15);
+    // A hole that no part holds.
+    const std::vector<Vec2> beyond{{-0.1, 1.8}, {0, 2.3}, {0.1, 1.8}, {-0.1, 1.8}};
+    CHECK_FALSE(cut_face({{run(1, outer)}, {run(1, beyond)}}, reaches, seams));
+}
+
+TEST_CASE("face cut: a seam divides a loop with many corners") {
+    // From u = -0.5 in sector 0 over its end at u = 1 to u = 0.5 beyond the start of sector 1 at u = -1.
+    const std::vector<Vec2> first{{1, 3}, {0.2, 2.5}, {-0.5, 3}, {-0.5, 1}, {0.3, 1.25}, {1, 1}},
+        second{{-1, 1}, {-0.2, 0.5}, {0.5, 1}, {0.5, 3}, {-1, 3}};
+    std::uint32_t seams = 0;
+    const std::vector reaches{1.0, 1.0, 1.0};
+    const auto parts = cut_face({{run(0, first), run(1, second)}}, reaches, seams);
+    REQUIRE(parts);
+    REQUIRE(parts->size() == 2);
+    CHECK(seams == 1);
+    double sum = 0;
+    for (const CutPart& part : *parts) {
+        REQUIRE(part.loops.size() == 1);
+        CHECK(part.loops.front().size() == 2);
+        sum += area(part.loops.front());
+    }
+    CHECK(std::abs(sum - (3 - 0.375 - 0.1875 + 3 + 0.375)) < 1e-14);
+}
+
+}  // namespace vcell::face_cut_test
