@@ -140,23 +140,24 @@ std::size_t any_object(const Scene& scene, std::mt19937_64& rng) {
 }  // namespace
 
 TEST_CASE("insert: the cell of the scene with the object, over every base") {
-    const Count count = compare({"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric"},
-                                [](const Scene& scene, std::mt19937_64& rng) {
-                                    const std::size_t i = any_object(scene, rng);
-                                    const Object object = scene.objects[i];
-                                    Scene fewer = without(scene, i), more = fewer;
-                                    more.objects.push_back(object);
-                                    more.names.clear();
-                                    fewer.names.clear();
-                                    return std::pair{insert(voronoi_cell(fewer), object), more};
-                                });
+    const Count count =
+        compare({"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric", "vessels", "silos"},
+                [](const Scene& scene, std::mt19937_64& rng) {
+                    const std::size_t i = any_object(scene, rng);
+                    const Object object = scene.objects[i];
+                    Scene fewer = without(scene, i), more = fewer;
+                    more.objects.push_back(object);
+                    more.names.clear();
+                    fewer.names.clear();
+                    return std::pair{insert(voronoi_cell(fewer), object), more};
+                });
     CHECK(count.compared >= 10 * rounds());
     CHECK(count.refused <= 10 * rounds());
 }
 
 TEST_CASE("remove: the cell of the scene without the object, over every base") {
     const Count count = compare(
-        {"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric"},
+        {"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric", "vessels", "silos"},
         [](const Scene& scene, std::mt19937_64& rng) {
             Cell cell = voronoi_cell(scene);
             // Rather one that matters.
@@ -170,7 +171,7 @@ TEST_CASE("remove: the cell of the scene without the object, over every base") {
 
 TEST_CASE("merge: the cell among the objects of both, over every base") {
     const Count count =
-        compare({"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric"},
+        compare({"balls", "mix", "tubes", "integers", "lattice", "bundle", "symmetric", "vessels", "silos"},
                 [](const Scene& scene, std::mt19937_64&) {
                     Scene first = scene, second = scene;
                     first.names.clear();

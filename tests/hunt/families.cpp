@@ -10,6 +10,7 @@
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/objects/decided_scene.hpp"
+#include "../primitives/reference.hpp"
 #include "../rotations.hpp"
 
 namespace vcell::hunt {
@@ -94,16 +95,38 @@ public:
         return direction();
     }
 
+    /// Vessels are looked at together: a plane may have nothing within two of them.
     bool add(const Object& object) {
         Scene alone = scene_;
-        alone.objects = {object};
+        std::erase_if(alone.objects, [&](const Object& o) { return !is_vessel(object) || !is_vessel(o); });
+        alone.objects.push_back(object);
         if (!is_legal(alone)) return false;
+        if (is_plane() && is_vessel(object) && !has_room(alone)) return false;
         scene_.objects.push_back(object);
         return true;
     }
     Object random_ball() { return Sphere{place(), chance(0.2) ? 0 : uniform(0, 0.4)}; }
     Object random_plane() { return Plane{uniform(0.6, 2) * direction(), direction()}; }
     Object random_tube() { return Cylinder{place(), direction(), chance(0.2) ? 0 : uniform(0, 0.3)}; }
+    /// The axis of a tube that may hold the base: any, or much that of a base tube, or just that.
+    Vec3 vessel_axis() {
+        const auto* c = std::get_if<Cylinder>(&scene_.base);
+        if (!c || chance(0.1)) return direction();
+        return chance(0.3) ? c->axis : (c->axis.normalized() + uniform(0, 0.4) * direction()).eval();
+    }
+    Object random_vessel() {
+        const double off = chance(0.2) ? 0 : uniform(0, 1);
+        const Vec3 middle = off * direction(), axis = vessel_axis();
+        const int most = is_plane() ? 1 : 2;  // there is no cell of a plane in a cone
+        switch (count(0, most)) {
+            case 0: return HollowSphere{middle, uniform(0.6, 4)};
+            case 1: return HollowCylinder{middle, axis, uniform(0.4, 3)};
+            default: {
+                const double sine = uniform(0.1, 0.95), slant = uniform(0.5, 2);
+                return HollowCone{middle - uniform(0.3, 5) * axis.normalized(), axis, sine * slant, slant};
+            }
+        }
+    }
     template <class Make>
     void add_some(int n, Make make) {
         constexpr int tries = 200;
@@ -119,6 +142,20 @@ public:
     Scene done() { return std::move(scene_); }
 
 private:
+    /// Is any of some places on the base plane within all vessels? Slivers are left out.
+    bool has_room(const Scene& scene) {
+        const Vec3 normal = base_direction();
+        constexpr int tries = 1000;
+        for (int i = 0; i < tries; ++i) {
+            Vec3 p = place(scene.box.max.x());
+            p -= normal.dot(p) * normal;
+            if (p.lpNorm<Eigen::Infinity>() < scene.box.max.x() &&
+                std::ranges::all_of(scene.objects, [&](const Object& o) { return distance(o, p) > 0; }))
+                return true;
+        }
+        return false;
+    }
+
     std::mt19937_64& rng_;
     BaseKind kind_;
     Scene scene_;
@@ -129,6 +166,9 @@ void transform(Object& object, double factor, const Vec3& shift) {
     if (auto* s = std::get_if<Sphere>(&object)) place(s->center), s->radius *= factor;
     if (auto* p = std::get_if<Plane>(&object)) place(p->point);
     if (auto* c = std::get_if<Cylinder>(&object)) place(c->point), c->radius *= factor;
+    if (auto* s = std::get_if<HollowSphere>(&object)) place(s->center), s->radius *= factor;
+    if (auto* c = std::get_if<HollowCylinder>(&object)) place(c->point), c->radius *= factor;
+    if (auto* c = std::get_if<HollowCone>(&object)) place(c->apex), c->radius *= factor, c->slant *= factor;
 }
 
 Scene balls(std::mt19937_64& rng, BaseKind kind) {
@@ -345,6 +385,108 @@ Scene molecule(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
+// Walls that the box cuts or leaves out, the base anywhere within, and what lies on both sides of them.
+Scene vessels(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(b.chance(0.2) ? 0 : 0.3);
+    b.add_some(b.count(1, 3), [&] { return b.random_vessel(); });
+    b.add_mix(b.count(0, 3), b.count(0, 1), b.count(0, 2));
+    return b.done();
+}
+
+// Vessels of small integers and what is in them: on their axes, in their tips, touching their walls.
+Scene silos(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind, 4);
+    b.put_base(0.5 * b.count(0, 2), true);
+    const auto radius = [&] { return 0.5 * b.count(0, 2); };
+    const auto axis = [&] {
+        const auto* c = std::get_if<Cylinder>(&b.scene().base);
+        return c && b.chance(0.7) ? c->axis : b.chance(0.5) ? Vec3::UnitZ().eval() : b.integer_direction(2);
+    };
+    b.add_some(b.count(1, 2), [&]() -> Object {
+        const Vec3 middle = b.chance(0.4) ? Vec3::Zero().eval() : b.integers(2);
+        switch (b.count(0, b.is_plane() ? 1 : 2)) {
+            case 0: return HollowSphere{middle, 0.5 * b.count(1, 12)};
+            case 1: return HollowCylinder{middle, axis(), 0.5 * b.count(1, 8)};
+            default: {
+                const double rims[][2] = {{1, 2}, {3, 5}, {4, 5}, {5, 13}, {1, 8}};
+                const auto& [rim, slant] = rims[b.count(0, 4)];
+                const Vec3 along = axis();
+                return HollowCone{middle - b.count(0, 4) * along, along, rim, slant};
+            }
+        }
+    });
+    b.add_some(b.count(0, 4), [&]() -> Object {
+        switch (b.count(0, 4)) {
+            case 0: return Plane{b.integers(3), b.integer_direction(2)};
+            case 1: return Plane{Vec3(0, 0, b.count(-3, 3)), Vec3::UnitZ()};
+            case 2: return Sphere{b.integers(3), radius()};
+            case 3: return Sphere{Vec3(0, 0, b.count(-3, 3)), radius()};
+            default: return Cylinder{b.integers(3), axis(), radius()};
+        }
+    });
+    return b.done();
+}
+
+// A vessel in another one: equal, about one centre or axis, touching from within, or all but so; balls that
+// touch its wall.
+Scene nested(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    b.put_base(b.chance(0.2) ? 0 : 0.25, true);
+    const double error = b.chance(0.4) ? 0 : (b.chance(0.5) ? 1 : -1) * b.small(3, 16);
+    b.add_some(1, [&] { return b.random_vessel(); });
+    if (b.scene().objects.empty()) return b.done();
+    const Object first = b.scene().objects[0];
+    b.add_some(b.count(1, 2), [&]() -> Object {
+        const Vec3 out = b.direction();
+        const double part = b.uniform(0.3, 1);
+        if (const auto* s = std::get_if<HollowSphere>(&first)) {
+            const double inner = part * s->radius, shift = s->radius - inner + error;
+            switch (b.count(0, 4)) {
+                case 0: return HollowSphere{s->center + error * out, s->radius};
+                case 1: return HollowSphere{s->center, s->radius + error};
+                case 2: return HollowSphere{s->center + shift * out, inner};
+                case 3: return HollowCylinder{s->center + error * out, b.vessel_axis(), s->radius};
+                default: return Sphere{s->center + (shift - 0.2 * inner) * out, 0.2 * inner};
+            }
+        }
+        if (const auto* c = std::get_if<HollowCylinder>(&first)) {
+            const Vec3 across = out.cross(c->axis).normalized();
+            const double inner = part * c->radius, shift = c->radius - inner + error;
+            switch (b.count(0, 4)) {
+                case 0: return HollowCylinder{c->point + error * out, c->axis, c->radius};
+                case 1: return HollowCylinder{c->point, c->axis, c->radius + error};
+                case 2: return HollowCylinder{c->point + shift * across, c->axis, inner};
+                case 3: return HollowSphere{c->point, c->radius + error};
+                default: return Sphere{c->point + (shift + 0.8 * inner) * across, 0.2 * inner};
+            }
+        }
+        const auto& c = std::get<HollowCone>(first);
+        const Vec3 along = c.axis.normalized();
+        const double high = b.uniform(1, 4);
+        switch (b.count(0, 4)) {
+            case 0: return HollowCone{c.apex + error * out, c.axis, c.radius, c.slant};
+            case 1: return HollowCone{c.apex + error * along, c.axis, c.radius, c.slant};
+            case 2: return HollowCone{c.apex, c.axis, part * c.radius, c.slant};
+            case 3: return HollowSphere{c.apex + high * along, c.sine() * high + error};
+            default: return Sphere{c.apex + high * along, b.uniform(0, 0.3)};  // on the axis, in tips' way
+        }
+    });
+    b.add_mix(b.count(0, 2), 0, b.count(0, 1));
+    return b.done();
+}
+
+// Rounding moves walls and axes: only legal scenes count.
+Scene displaced(std::mt19937_64& rng, BaseKind kind) {
+    for (;;) {
+        const double factor = std::exp2(std::uniform_int_distribution(-90, 90)(rng));
+        const bool is_far = std::uniform_int_distribution(0, 1)(rng) == 1;
+        const Scene s = is_far ? transformed(vessels(rng, kind), 1, Vec3(1e5, -2e5, 5e4))
+                               : transformed(vessels(rng, kind), factor, Vec3::Zero());
+        if (is_legal(s)) return s;
+    }
+}
+
 constexpr Family all[] = {
     {"balls", "random balls and points", balls},
     {"mix", "random balls, planes and tubes", mix},
@@ -359,6 +501,10 @@ constexpr Family all[] = {
     {"scaled", "mix times a power of two up to 2^100", scaled},
     {"far", "mix a million away", far},
     {"molecule", "atoms of crambin around the base", molecule},
+    {"vessels", "random balls, planes and tubes in hollow spheres, tubes and cones", vessels},
+    {"silos", "vessels of small integers, and what touches their walls or stands on their axes", silos},
+    {"nested", "vessels equal, in each other and touching, exactly or but for 1e-16 to 1e-3", nested},
+    {"displaced", "vessels times a power of two up to 2^90, or 1e5 away", displaced},
 };
 
 }  // namespace

@@ -36,7 +36,8 @@ TEST_CASE("point query: inside is nearer to the base than to all else, over ever
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> part(0, 1);
     int judged = 0, inside = 0, outside = 0;
-    for (const char* name : {"balls", "mix", "tubes", "integers", "lattice", "bundle"})
+    for (const char* name :
+         {"balls", "mix", "tubes", "integers", "lattice", "bundle", "vessels", "silos", "nested"})
         for (const BaseKind base : base_kinds)
             for (int round = 0; round < 2 * rounds(); ++round) {
                 const auto family = std::ranges::find(families(), std::string(name), &Family::name);

@@ -118,6 +118,10 @@ void for_each_number(Object& o, const std::function<void(double&)>& visit) {
     if (auto* s = std::get_if<Sphere>(&o)) each(s->center), visit(s->radius);
     if (auto* p = std::get_if<Plane>(&o)) each(p->point), each(p->normal);
     if (auto* c = std::get_if<Cylinder>(&o)) each(c->point), each(c->axis), visit(c->radius);
+    if (auto* s = std::get_if<HollowSphere>(&o)) each(s->center), visit(s->radius);
+    if (auto* c = std::get_if<HollowCylinder>(&o)) each(c->point), each(c->axis), visit(c->radius);
+    if (auto* c = std::get_if<HollowCone>(&o))
+        each(c->apex), each(c->axis), visit(c->radius), visit(c->slant);
 }
 
 double shortened(double x, int digits) {

@@ -38,6 +38,14 @@ Real real_distance(const Object& object, const RealPoint& p) {
         const Real along = dot(c->axis, m) / norm(c->axis);
         return sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2] - along * along) - c->radius;
     }
+    if (const auto* s = std::get_if<HollowSphere>(&object))
+        return -real_distance(Sphere{s->center, s->radius}, p);
+    if (const auto* c = std::get_if<HollowCylinder>(&object))
+        return -real_distance(Cylinder{c->point, c->axis, c->radius}, p);
+    if (const auto* c = std::get_if<HollowCone>(&object)) {
+        const Real sine = Real(c->radius) / c->slant, along = dot(c->axis, from(c->apex, p)) / norm(c->axis);
+        return sine * along - sqrt(1 - sine * sine) * real_distance(Cylinder{c->apex, c->axis, 0}, p);
+    }
     const auto& plane = std::get<Plane>(object);
     return abs(dot(plane.normal, from(plane.point, p))) / norm(plane.normal);
 }

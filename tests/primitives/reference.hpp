@@ -24,11 +24,19 @@ inline Real real(const Exact& v) {
     return sum;
 }
 
-/// Signed for balls and cylinders (negative inside), unsigned for planes.
+/// Signed for balls and cylinders (negative inside) and for vessels (negative beyond the wall), unsigned for
+/// planes.
 inline double distance(const Object& object, const Vec3& p) {
     if (const auto* s = std::get_if<Sphere>(&object)) return (p - s->center).norm() - s->radius;
     if (const auto* c = std::get_if<Cylinder>(&object))
         return (p - c->point).cross(c->axis).norm() / c->axis.norm() - c->radius;
+    if (const auto* s = std::get_if<HollowSphere>(&object)) return s->radius - (p - s->center).norm();
+    if (const auto* c = std::get_if<HollowCylinder>(&object))
+        return c->radius - (p - c->point).cross(c->axis).norm() / c->axis.norm();
+    if (const auto* c = std::get_if<HollowCone>(&object)) {
+        const Vec3 axis = c->axis.normalized(), m = p - c->apex;
+        return c->sine() * axis.dot(m) - c->cosine() * axis.cross(m).norm();
+    }
     const auto& plane = std::get<Plane>(object);
     return std::abs(plane.normal.normalized().dot(p - plane.point));
 }
