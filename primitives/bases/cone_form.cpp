@@ -48,18 +48,14 @@ bool contains(const ConeForm& cone, const Vec3& center, double rho) {
     return cone.room(ExactVector(center), -Exact(rho)).is_no_less();
 }
 
-// The inner apex is within, and the angle between the axes is no more than the difference of half angles:
-// with sines |a| / g its cosine is no less than their product and that of the cosines,
-//
-//     g g' a.a' - N N' >= sqrt(N (g^2 - N) N' (g'^2 - N')).
+// Both distances are least over the planes that touch the walls, and these have the same normals n where
+// angles and axes agree: n.(p - apex) grows by n.(apex - inner.apex) then, which is no less than nothing
+// where the inner apex is within. Otherwise a normal of the outer cone is no mean of the inner one's: it
+// comes to less somewhere, behind the inner apex, where base bodies may reach.
 bool contains(const ConeForm& outer, const ConeForm& inner) {
-    if (!outer.room(inner.apex, Exact()).is_no_less()) return false;
-    const Exact outer2 = outer.g * outer.g, inner2 = inner.g * inner.g;
-    if ((outer.N * inner2 - inner.N * outer2).sign() == Sign::Negative) return false;
-    const Exact turned = outer.g * inner.g * dot(outer.a, inner.a) - outer.N * inner.N;
-    return turned.sign() != Sign::Negative &&
-           (turned * turned - outer.N * (outer2 - outer.N) * inner.N * (inner2 - inner.N)).sign() !=
-               Sign::Negative;
+    return (outer.rim * inner.slant - inner.rim * outer.slant).sign() == Sign::Zero &&
+           cross(outer.axis, inner.axis).is_zero() && dot(outer.axis, inner.axis).sign() == Sign::Positive &&
+           outer.room(inner.apex, Exact()).is_no_less();
 }
 
 // The apex does, and the normal leans from the axis by no more than what the half angle leaves of a right

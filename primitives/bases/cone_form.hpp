@@ -40,8 +40,11 @@ struct ConeForm {
 bool is_beside(const ConeForm& cone, const Ball& ball);
 bool is_beside(const ConeForm& cone, const CylinderForm& tube);
 
-/// Is the ball, or the inside of the inner one, part of what is within the cone? Both ways: the same cone.
+/// Is the ball part of what is within the cone? Then no point is farther from the ball's own wall, seen from
+/// within, than from the cone's.
 bool contains(const ConeForm& cone, const Vec3& center, double rho);
+/// Is the inner wall at every point as near as the outer one or nearer, beyond both, too? That takes more
+/// than that the inside of the inner cone is part of that of the outer one. Both ways: the same cone.
 bool contains(const ConeForm& outer, const ConeForm& inner);
 
 /// Does what is within the cone lie in the closed half-space n.p + d >= 0?
