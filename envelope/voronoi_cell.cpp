@@ -20,6 +20,7 @@
 #include "lift/complete_lift.hpp"
 #include "lift/lift.hpp"
 #include "lift/scene_motion.hpp"
+#include "proofs/competition.hpp"
 
 namespace vcell {
 
@@ -104,6 +105,16 @@ struct Diagrams {
         EnvelopeWork sum = all.work;
         if (below) sum += below->work;
         return sum;
+    }
+    // Each once: what both meet both may have assumed.
+    std::vector<Assumption> assumptions() const {
+        std::vector<Assumption> sum = all.assumptions;
+        if (below)
+            for (const Assumption& a : below->assumptions) add_assumption(a, sum);
+        return sum;
+    }
+    std::size_t assumed_twice() const {
+        return below ? all.assumptions.size() + below->assumptions.size() - assumptions().size() : 0;
     }
 };
 Diagrams with_floor(const PlaneBaseProblem& problem, EnvelopeOptions options) {
@@ -217,7 +228,8 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     cell.report.seconds_envelope = seconds_envelope;
     cell.report.seconds_patches = watch.lap();
     std::vector<std::string>& warnings = cell.report.warnings;
-    for (const Assumption& a : diagrams.all.assumptions)
+    cell.report.decisions.assumed -= diagrams.assumed_twice();
+    for (const Assumption& a : diagrams.assumptions())
         warnings.push_back(message(a, "taken to meet in one point over", problem));
     warnings.insert(warnings.begin(), problem.warnings.begin(), problem.warnings.end());
     return cell;

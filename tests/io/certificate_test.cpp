@@ -125,7 +125,9 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "generator_in_a_corner",
                              "tube_touches_plane_beside_region",
                              "side_between_planes",
-                             "tubes_touch_one_circle"}) {
+                             "tubes_touch_one_circle",
+                             "cone_in_cone",
+                             "walls_meet_on_plane"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
