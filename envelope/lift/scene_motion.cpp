@@ -23,19 +23,22 @@ using Eigen::Vector4d;
 
 using roundoff::u;
 
-// A unit vector from a foot, and the way from the centre or axis about which it turns; from a plane none.
+// A unit vector from a foot, or from a vessel's wall, and the way from the centre or axis about which it
+// turns; from a plane none.
 struct Direction {
     Vec3 g = Vec3::Zero();
     double distance = infinity;
     Vec3 from_center = Vec3::Zero();
-    Vec3 axis = Vec3::Zero();  // a tube's, a unit vector
-    const Cylinder* tube = nullptr;
-    Vec3 along = Vec3::Zero();  // of its axis, from its point to next to the foot
-    double rounding = 4 * u;    // of g
-    bool is_ball = false, is_tube = false;
-    bool turns = false;            // with the base, or gives way to a tie
-    const Vec3* center = nullptr;  // of a ball
-    Vec3 normal = Vec3::Zero();    // a plane's, of a length in [1/2, 2)
+    Vec3 axis = Vec3::Zero();         // a unit vector
+    Vec3 along = Vec3::Zero();        // of its axis, from its point to next to the foot
+    double rounding = 4 * u;          // of g
+    bool is_tube = false;             // or a hollow one; a cone is none
+    bool turns = false;               // with the base, or gives way to a tie
+    const Vec3* center = nullptr;     // of a ball or a hollow sphere
+    const Vec3* point = nullptr;      // of a tube's axis
+    const Vec3* direction = nullptr;  // of any axis, as the scene has it
+    double sense = 1;                 // -1 of a vessel's
+    Vec3 normal = Vec3::Zero();       // a plane's, of a length in [1/2, 2)
 
     // Per length, but for the factor in Row::variation(): nothing of a plane.
     double turn() const { return 1 / distance; }
@@ -64,26 +67,35 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
         d.from_center -= d.along;
         d.rounding += 4 * u * (p - point).norm() / d.from_center.norm();
     };
-    if (const auto* sphere = std::get_if<Sphere>(&object)) {
-        d.is_ball = true;
-        d.center = &sphere->center;
-        d.from_center = p - sphere->center;
-    } else if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
+    const auto about_center = [&](const Vec3& center) {
+        d.center = &center;
+        d.from_center = p - center;
+    };
+    const auto about_axis = [&](const Vec3& point, const Vec3& direction) {
         d.is_tube = true;
         d.axis = unit;
-        d.tube = cylinder;
-        from_axis(cylinder->point);
+        d.point = &point;
+        d.direction = &direction;
+        from_axis(point);
+    };
+    if (const auto* sphere = std::get_if<Sphere>(&object)) {
+        about_center(sphere->center);
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&object)) {
+        about_axis(cylinder->point, cylinder->axis);
     } else if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
-        d.from_center = p - vessel->center;
+        about_center(vessel->center);
     } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
+        d.direction = &cone->axis;
         from_axis(cone->apex);
     } else {
-        from_axis(std::get<HollowCylinder>(object).point);
+        const auto& tube = std::get<HollowCylinder>(object);
+        about_axis(tube.point, tube.axis);
     }
     d.distance = d.from_center.norm();
     d.g = d.distance > 0 ? Vec3(d.from_center / d.distance) : Vec3::UnitZ().eval();
     // Towards a vessel's wall its distance falls.
-    if (is_vessel(object)) d.g = -d.g;
+    if (is_vessel(object)) d.sense = -1;
+    d.g *= d.sense;
     if (const auto* cone = std::get_if<HollowCone>(&object)) d.g = cone->sine() * unit + cone->cosine() * d.g;
     return d;
 }
@@ -128,12 +140,13 @@ Row difference(const Direction& b, const Direction& a) {
         row.value = (way - way.dot(a.normal + b.normal) / (length + other) / length * a.normal) / other;
         row.rounding = 32 * u * way.norm() / other;
     }
-    if (!(a.is_ball && b.is_ball) && !(a.is_tube && b.is_tube)) return row;
-    if (a.is_ball && row.nearest > 0) {
+    if (a.sense != b.sense || (!(a.center && b.center) && !(a.is_tube && b.is_tube))) return row;
+    if (a.center && row.nearest > 0) {
         // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
-        const Vec3 way = *a.center - *b.center;
-        row.value =
-            (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
+        const Vec3 way = *a.center - *b.center, out = a.sense * a.g;
+        row.value = a.sense *
+                    (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * out) /
+                    b.distance;
         row.rounding = 32 * u * way.norm() / row.nearest;
     }
     Vec3 way = b.from_center - a.from_center;
@@ -141,14 +154,15 @@ Row difference(const Direction& b, const Direction& a) {
     if (a.is_tube && row.nearest > 0) {
         // So, too, where what cancels in the ways from the axes is the difference of points and of
         // directions.
-        const Vec3 turned = tilt_between(a.tube->axis, b.tube->axis), points = b.tube->point - a.tube->point,
-                   from_b = b.along + b.from_center;
+        const Vec3 turned = tilt_between(*a.direction, *b.direction), points = *b.point - *a.point,
+                   out = a.sense * a.g, from_b = b.along + b.from_center;
         const double sense = b.axis.dot(a.axis) < 0 ? -1 : 1, along = sense * a.axis.dot(a.along),
                      farther = turned.dot(from_b) - sense * a.axis.dot(points);
         way = -points - along * turned - farther * b.axis;
         tilt = turned.norm();
-        row.value =
-            (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * a.g) / b.distance;
+        row.value = a.sense *
+                    (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * out) /
+                    b.distance;
         row.rounding = 64 * u * (points.norm() + tilt * (a.along.norm() + from_b.norm())) / row.nearest;
     }
     const double half = 0.5 * row.nearest, apart = way.norm() + tilt * half + row.rounding * row.nearest,
@@ -263,8 +277,8 @@ private:
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);
         row.object = object;
-        row.object.turns = object.is_tube && base.is_tube &&
-                           cross(ExactVector(object.tube->axis), ExactVector(base.tube->axis)).is_zero();
+        row.object.turns = object.direction && base.is_tube &&
+                           cross(ExactVector(*object.direction), ExactVector(*base.direction)).is_zero();
         row.has_object = true;
         return row;
     }

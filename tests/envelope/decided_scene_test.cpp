@@ -388,6 +388,22 @@ TEST_CASE("cell: a scene far from the origin over a plane has the errors of the 
 }
 
 #ifdef __SSE2__
+TEST_CASE("cell: turning a base moves the edge between vessels that all but coincide by little") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {1, 1, 1}};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    for (const double apart : {1e-3, 1e-6, 1e-9}) {
+        CAPTURE(apart);
+        scene.objects = {HollowSphere{{0.25, 0.125, 0.5}, 2}, HollowSphere{{0.25 + apart, 0.125, 0.5}, 2}};
+        const Cell cell = voronoi_cell(scene);
+        CHECK(cell.report.moved > 0);
+        CHECK(cell.vertices.size() == 2);
+        CHECK(cell.edges.size() == 3);
+        for (const CellVertex& v : cell.vertices) CHECK(v.error < 1e-12);
+        for (const CellEdge& e : cell.edges) CHECK(e.error < 1e-12);
+    }
+}
+
 TEST_CASE("environment: flushed subnormals are refused, with what to do") {
     const Scene scene = scenes_of_all_bases()[0];
     for (const unsigned mode : {0x8000u, 0x0040u}) {
