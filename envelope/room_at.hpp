@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
+#include <variant>
 
 #include "../primitives/bases/radial_base.hpp"
 #include "object_distance.hpp"
@@ -26,6 +29,32 @@ inline double room_at(const RadialBaseProblem& problem, FormId own, const Vec3& 
         room = std::min(room, is_floor ? beyond : -beyond);
     }
     return room;
+}
+
+/// A point of an object with whose coordinates distances from it are rounded.
+inline Vec3 place_of(const Object& object) {
+    return std::visit(
+        []<class T>(const T& o) -> Vec3 {
+            if constexpr (requires { o.center; })
+                return o.center;
+            else if constexpr (requires { o.apex; })
+                return o.apex;
+            else
+                return o.point;
+        },
+        object);
+}
+
+/// Is a form the nearest at a point of its bisector, `reach` away from the base's centre or axis? None where
+/// another one is as near but for rounding.
+inline std::optional<bool> shows_at(const RadialBaseProblem& problem, FormId own, const Vec3& p,
+                                    double reach) {
+    const double room = room_at(problem, own, p, reach - problem.chart.radius);
+    double size = reach;
+    for (const Object& o : problem.objects) size = std::max(size, place_of(o).norm());
+    constexpr double rounding = 0x1p-44;  // far more than any
+    if (std::abs(room) <= rounding * size) return std::nullopt;
+    return room > 0;
 }
 
 }  // namespace vcell

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <variant>
 
 #include "../../primitives/fit/arc_equations.hpp"
 #include "../../primitives/objects/message.hpp"
@@ -58,20 +57,6 @@ private:
     double from_ = 0, to_ = 0, begin_ = 0, angle_ = 0;
 };
 
-// A point of an object with whose coordinates distances from it are rounded.
-Vec3 place_of(const Object& object) {
-    return std::visit(
-        []<class T>(const T& o) -> Vec3 {
-            if constexpr (requires { o.center; })
-                return o.center;
-            else if constexpr (requires { o.apex; })
-                return o.apex;
-            else
-                return o.point;
-        },
-        object);
-}
-
 }  // namespace
 
 VesselAxis::VesselAxis(const Object& vessel) {
@@ -114,12 +99,9 @@ FaceTips::FaceTips(const RadialDiagram& of, const FaceLoops& loops) {
         if (const FormId form = of.diagram.face_forms[face]; form.valid()) faces[form].push_back(face);
     for (const auto& [form, all] : faces)
         for (const VesselTip& tip : vessel_tips(of.problem, form)) {
-            const double room = room_at(of.problem, form, tip.point(), tip.reach - of.problem.chart.radius);
-            double size = tip.reach;
-            for (const Object& o : of.problem.objects) size = std::max(size, place_of(o).norm());
-            constexpr double rounding = 0x1p-44;  // far more than any
-            if (std::abs(room) <= rounding * size) refuse(form, tip);
-            if (room < 0) continue;
+            const std::optional<bool> shows = shows_at(of.problem, form, tip.point(), tip.reach);
+            if (!shows) refuse(form, tip);
+            if (!*shows) continue;
             std::vector<FaceId> held = all;
             if (all.size() > 1)
                 std::erase_if(held, [&](FaceId face) { return !holds(of, loops, face, tip); });

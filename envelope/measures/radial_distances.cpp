@@ -121,19 +121,30 @@ void RadialDistances::add_nearest(const RadialBaseProblem& problem, FormId form,
 }
 
 // The bisector with a vessel is farthest from the base's centre or axis where the rays from that and from the
-// wall meet head on: nothing later on has the place unless an edge runs through it.
+// wall meet head on: nothing later on has the place unless an edge runs through it. Excesses fall on the way
+// there: what ties in the place is farther a little before it.
 void RadialDistances::add_farthest(const RadialBaseProblem& problem, FormId form) {
+    const double R0 = problem.chart.radius;
     for (const Vec3& p : farthest_places(problem, form)) {
+        const Vec3 foot = problem.chart.foot_below(p);
         const double t = problem.chart.distance(p),
                      error = 16 * u * (t + p.norm() + distance_of_point(problem.objects[form])),
                      height = problem.chart.along(p.y()),
                      room = height < problem.stretch[0] || height > problem.stretch[1]
                                 ? -infinity
-                                : room_at(problem, form, p, t - problem.chart.radius);
-        if (room > 4 * error)
+                                : room_at(problem, form, p, t - R0);
+        if (room > 4 * error) {
             add(t, t, error);
-        else if (room >= -4 * error)
+        } else if (room >= -4 * error) {
             greatest_[1] = std::max(greatest_[1], t + error);
+            for (double before = 16 * error; before < 0x1p-16 * t; before *= 4) {
+                const double s = t - before;
+                if (!(room_at(problem, form, foot + s / t * (p - foot), s - R0) > 4 * error)) continue;
+                known_[1] = std::max(known_[1], s);
+                greatest_[0] = std::max(greatest_[0], s - error);
+                break;
+            }
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "../../core/threads.hpp"
 #include "../lift/face_loops.hpp"
 #include "../lift/vessel_turns.hpp"
+#include "../room_at.hpp"
 #include "radial_distances.hpp"
 #include "radial_integrals.hpp"
 #include "solid_angle.hpp"
@@ -316,16 +318,29 @@ private:
     }
 
     // Along the edges of a face that has an ellipsoid's far pole the area comes out less than nothing by what
-    // is not the face's; where rounding leaves it open which it is, both are enclosed.
+    // is not the face's. Where rounding leaves it open which it is, distances tell whether the pole shows at
+    // all, and if they do not, or another face may have it, both are enclosed.
     void add_poles() {
-        for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+        std::map<FormId, int> faces_of;
+        for (const FormId form : diagram_.face_forms)
+            if (form.valid()) ++faces_of[form];
+        for (const FaceId face : diagram_.face_forms.ids()) {
+            const std::uint32_t f = cell_faces_[face.value];
+            if (f == no_face) continue;
             const auto* round = std::get_if<radial_integrals::RoundFace>(&faces_[f]);
             if (round == nullptr || !round->is_ellipsoid()) continue;
             const double area = areas_[f].value(), error = areas_[f].bound();
             if (area > error) continue;
+            bool is_told = area < -error;
+            if (!is_told) {
+                const FormId form = diagram_.face_forms[face];
+                const std::optional<bool> shows =
+                    shows_at(problem_, form, -round->d2 * round->axis, round->d2);
+                if (shows == false) continue;
+                is_told = shows == true && faces_of[form] == 1;
+            }
             const radial_integrals::Share mean = round->mean();
             // Some ten roundings each.
-            const bool is_told = area < -error;
             const double angle = is_told ? 4 * pi : 2 * pi, unsure = is_told ? 128 * u * pi : 2 * pi;
             areas_[f].add(angle * mean.area, unsure * mean.area);
             volume_.add(angle * mean.volume, unsure * mean.volume);

@@ -130,6 +130,42 @@ TEST_CASE("vessels: about a ball off the middle the cell is a spheroid") {
     }
 }
 
+TEST_CASE("vessels: a side of the box that touches the cell where it is farthest leaves it as far") {
+    // Half-way between the base and the wall, behind the vessel's centre as the base sees it.
+    Scene scene;
+    scene.objects = {HollowSphere{{0.5, 0, 0}, 2}};
+    scene.box = {Vec3(-3, -3, -1), Vec3(1.375, 3, 1)};
+    const Object bases[] = {Sphere{{0, 0, 0}, 0.25}, Cylinder{{0, 0, 0}, {0, 0, 1}, 0.25}};
+    for (const Object& base : bases) {
+        scene.base = base;
+        const Measures m = voronoi_cell(scene).measures;
+        CHECK(std::abs(m.max_clearance - 1.125) <= m.max_clearance_error);
+        CHECK(m.max_clearance_error < 1e-9);
+    }
+}
+
+TEST_CASE(
+    "vessels: where a vessel reaches out of another one by a rounding alone, its face is next to nothing") {
+    Scene scene;
+    scene.base = Sphere{{0, 0, 0}, 0.25};
+    const HollowSphere inner{{0.48423472977611937, -0.41885406205785264, -0.15347340679106208},
+                             1.6064076222129953};
+    scene.objects = {inner};
+    scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    const Cell alone = voronoi_cell(scene);
+    // About 3e-9 around a place where both walls touch.
+    scene.objects.push_back(
+        HollowSphere{{0.5169368579555382, -0.6622544448374146, -0.09373113521479728}, 1.859157131683919});
+    const Cell cell = voronoi_cell(scene);
+    REQUIRE(cell.faces.size() == 2);
+    CHECK(std::abs(cell.measures.volume - alone.measures.volume) < 1e-12);
+    CHECK(cell.measures.volume_error < 1e-12);
+    for (const CellFace& face : cell.faces) {
+        CHECK(face.area_error < 1e-12);
+        CHECK(std::abs(face.area - (face.site == Site::object(0) ? alone.faces[0].area : 0)) < 1e-12);
+    }
+}
+
 TEST_CASE("vessels: sides of the box cut the spheroid as closed forms say") {
     // z <= h cuts the sphere of radius 2 about 0.
     Scene scene = in_sphere({{0, 0, 0}, 1}, {{0, 0, 0}, 3});
