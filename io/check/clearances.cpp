@@ -188,8 +188,10 @@ std::optional<bool> is_bounded(const Subject& subject, const Site& site, const V
     for (std::uint32_t end = 0; std::holds_alternative<Cylinder>(scene.base) && end < 2; ++end)
         meet(subject.space.inside_end(end, p));
     const Interval clearance = subject.space.clearance(p);
+    // Equal objects are as far everywhere.
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (scene.competes(i) && i != site.index) meet(subject.space.object_excess(i, p, clearance));
+        if (scene.competes(i) && !(site.is_object() && scene.objects[i] == scene.objects[site.index]))
+            meet(subject.space.object_excess(i, p, clearance));
     return result;
 }
 
@@ -220,10 +222,32 @@ std::optional<Vector<Interval>> nearest_beside_tube(const Space<Interval>& space
 }
 
 /// How high a bisector is at a place where it may be highest, and whether no other site is nearer there.
+/// Where that is not told, as of objects that coincide or all but do, the cell reaches so far `below` it at
+/// least.
 struct Farthest {
     Interval height;
     std::optional<bool> is_there;
+    double below = HUGE_VAL;
+
+    double attained() const { return is_there == true ? height.lower() : height.lower() - below; }
 };
+/// At a point of the bisector, unless another site is nearer there. Excesses fall on the way from the base:
+/// those that are 0 in the point are told from less a little before it. (Of a plane's cell that asks for more
+/// than it states: there a tie counts as perhaps as high.)
+std::optional<Farthest> farthest_at(const Subject& subject, const Site& site, const Interval& height,
+                                    const Vector<Interval>& p, const Frame& frame) {
+    Farthest result{height, is_bounded(subject, site, p)};
+    if (result.is_there == false) return std::nullopt;
+    if (result.is_there || std::holds_alternative<Plane>(subject.cell.scene.base)) return result;
+    const double size = subject.geometry.scale();
+    for (double part = 0x1p-48; part < 0x1p-16; part *= 4) {
+        const double below = part * size;
+        if (is_bounded(subject, site, p - Interval(below) * subject.space.up(p)) != true) continue;
+        result.below = below / frame.unit() * (1 + 0x1p-50);
+        break;
+    }
+    return result;
+}
 /// The bisector with a hollow sphere is farthest from the base's centre towards the vessel's and beyond.
 std::optional<Farthest> farthest_about_ball(const Subject& subject, const Site& site, const Frame& frame) {
     const Scene& scene = subject.cell.scene;
@@ -231,7 +255,6 @@ std::optional<Farthest> farthest_about_ball(const Subject& subject, const Site& 
     const auto* ball = site.is_object() ? std::get_if<HollowSphere>(&scene.objects[site.index]) : nullptr;
     if (!base || !ball) return std::nullopt;
     const auto [distance, radius] = from_vessel(scene.objects[site.index], frame);
-    Farthest result{0.5 * (radius + distance - frame.radius()), true};
     const Vector<Interval> from = to_vector<Interval>(base->center),
                            way = to_vector<Interval>(ball->center) - from;
     const Interval length = sqrt(square(way));
@@ -240,8 +263,7 @@ std::optional<Farthest> farthest_about_ball(const Subject& subject, const Site& 
     if (!(length.lower() > 0)) return std::nullopt;
     const Vector<Interval> p =
         from + (Interval(0.5) * (Interval(ball->radius) + base->radius + length) / length) * way;
-    result.is_there = is_bounded(subject, site, p);
-    return result.is_there == false ? std::nullopt : std::optional(result);
+    return farthest_at(subject, site, 0.5 * (radius + distance - frame.radius()), p, frame);
 }
 
 /// Over a plane it is highest above the hollow sphere's centre, half-way between the plane and the wall.
@@ -250,10 +272,8 @@ std::optional<Farthest> farthest_over_plane(const Subject& subject, const Site& 
     if (!ball) return std::nullopt;
     const Vector<Interval> c = to_vector<Interval>(ball->center);
     const Interval above = subject.space.clearance(c), height = 0.5 * (above + Interval(ball->radius));
-    const std::optional<bool> is_there =
-        is_bounded(subject, site, c + (height - above) * subject.space.up(c));
-    if (is_there == false) return std::nullopt;
-    return Farthest{height / Interval(frame.unit()), is_there};
+    return farthest_at(subject, site, height / Interval(frame.unit()),
+                       c + (height - above) * subject.space.up(c), frame);
 }
 
 /// Around a tube a bisector with a vessel is farthest where the ways from the base's axis and from the wall
@@ -310,9 +330,9 @@ std::vector<Farthest> farthest_in_vessel(const Subject& subject, const Site& sit
     if (!site.is_object() || !is_vessel(scene.objects[site.index])) return found;
     // At a tip the bisector has no tangent plane.
     for (const Tip& tip : tips_of(subject.space, scene.objects[site.index])) {
-        const std::optional<bool> shows = is_bounded(subject, site, tip.p);
-        if (shows != false)
-            found.push_back({(tip.reach - subject.space.base().radius) / Interval(frame.unit()), shows});
+        const Interval height = (tip.reach - subject.space.base().radius) / Interval(frame.unit());
+        if (const auto farthest = farthest_at(subject, site, height, tip.p, frame))
+            found.push_back(*farthest);
     }
     if (std::holds_alternative<Sphere>(scene.base)) {
         if (const auto farthest = farthest_about_ball(subject, site, frame)) found.push_back(*farthest);
@@ -323,10 +343,9 @@ std::vector<Farthest> farthest_in_vessel(const Subject& subject, const Site& sit
         return found;
     }
     for (const HeadOn& place : places_head_on(subject.space, scene.objects[site.index])) {
-        const std::optional<bool> shows = is_bounded(subject, site, place.p);
-        if (shows == false) continue;
-        found.push_back({(place.reach - subject.space.base().radius) / Interval(frame.unit()),
-                         place.is_met ? shows : std::nullopt});
+        const Interval height = (place.reach - subject.space.base().radius) / Interval(frame.unit());
+        const auto farthest = farthest_at(subject, site, height, place.p, frame);
+        if (farthest) found.push_back(place.is_met ? *farthest : Farthest{height, std::nullopt});
     }
     return found;
 }
@@ -438,9 +457,9 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             return Nearest{0.5 * (distance - r - radius), lies_within(z, low, high)};
         }();
         const auto meet_farthest = [&] {
-            for (const auto& [height, is_there] : farthest_in_vessel(subject, site, frame))
-                most = Interval(is_there == true ? std::max(most.lower(), height.lower()) : most.lower(),
-                                std::max(most.upper(), height.upper()));
+            for (const Farthest& farthest : farthest_in_vessel(subject, site, frame))
+                most = Interval(std::max(most.lower(), farthest.attained()),
+                                std::max(most.upper(), farthest.height.upper()));
         };
         // Around a tube, and over a plane, there is always an edge.
         if (!std::holds_alternative<Sphere>(scene.base)) meet_farthest();
