@@ -269,10 +269,12 @@ private:
         if (site.kind == Site::Kind::BoxSide) {
             const Vec3 side = Vec3::Unit(site.index / 2);
             if (!term.is_wall) return {side};
-            return {(side - base_unit_.dot(side) * base_unit_).normalized()};
+            // It and the base's direction, which are rounded, depend on the side's own.
+            const Vec3 upright = side - base_unit_.dot(side) * base_unit_;
+            const double length = upright.norm();
+            return rounded(upright / length, 8 * u / length);
         }
-        if (site.kind == Site::Kind::End) return {base_unit_};
-        if (term.is_wall) return {base_unit_};
+        if (site.kind == Site::Kind::End || term.is_wall) return rounded(base_unit_, 4 * u);
         const std::size_t place = cell_.scene.place(site.index);
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
         Row row = difference(object, base);
@@ -280,6 +282,12 @@ private:
         row.object.turns = object.direction && base.is_tube &&
                            cross(ExactVector(*object.direction), ExactVector(*base.direction)).is_zero();
         row.has_object = true;
+        return row;
+    }
+
+    static Row rounded(const Vec3& value, double rounding) {
+        Row row{value};
+        row.rounding = rounding;
         return row;
     }
 
