@@ -82,7 +82,7 @@ std::array<Interval, 2> until_tip(const Equation& equation, const MidRad& start,
                                   const std::optional<Precision>& precision,
                                   const std::array<double, 2>& enough, int effort) {
     // Half around at once: whatever the effort, as without it nothing of the face is known.
-    constexpr int least_parts = 64;
+    constexpr int least_parts = 1024;
     const int parts = std::max(effort, least_parts);
     const MidRad end = equation.cosine * dot(equation.d, VesselTips(equation).points[tip]);
     std::array<Interval, 2> all{};
