@@ -321,9 +321,6 @@ private:
     // is not the face's. Where rounding leaves it open which it is, distances tell whether the pole shows at
     // all, and if they do not, or another face may have it, both are enclosed.
     void add_poles() {
-        std::map<FormId, int> faces_of;
-        for (const FormId form : diagram_.face_forms)
-            if (form.valid()) ++faces_of[form];
         for (const FaceId face : diagram_.face_forms.ids()) {
             const std::uint32_t f = cell_faces_[face.value];
             if (f == no_face) continue;
@@ -337,7 +334,7 @@ private:
                 const std::optional<bool> shows =
                     shows_at(problem_, form, -round->d2 * round->axis, round->d2);
                 if (shows == false) continue;
-                is_told = shows == true && faces_of[form] == 1;
+                is_told = shows == true && std::ranges::count(diagram_.face_forms, form) == 1;
             }
             const radial_integrals::Share mean = round->mean();
             // Some ten roundings each.

@@ -254,6 +254,7 @@ private:
         if (piece.degree() != 2) return false;
         const double k = piece.weight(1) * piece.weight(1) / (piece.weight(0) * piece.weight(2));
         const double left = (m - a).norm(), right = (b - m).norm(), cosine = 0.5 * (b - a).norm() / left;
+        if (left == 0 && right == 0) return true;  // what is written as one point has no shape
         // A small one's points have few digits.
         const double tolerance = kPlaceRounding * (1 + geometry_.scale() / left);
         switch (kind) {

@@ -128,7 +128,8 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "tubes_touch_one_circle",
                              "cone_in_cone",
                              "walls_meet_on_plane",
-                             "wall_touches_side_on_plane"}) {
+                             "wall_touches_side_on_plane",
+                             "rim_through_corner"}) {
         CAPTURE(name);
         const Certificate c =
             certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
