@@ -117,7 +117,7 @@ public:
     Object random_vessel() {
         const double off = chance(0.2) ? 0 : uniform(0, 1);
         const Vec3 middle = off * direction(), axis = vessel_axis();
-        const int most = is_plane() ? 1 : 2;  // there is no cell of a plane in a cone
+        const int most = is_plane() ? 1 : 2;  // no cones over planes
         switch (count(0, most)) {
             case 0: return HollowSphere{middle, uniform(0.6, 4)};
             case 1: return HollowCylinder{middle, axis, uniform(0.4, 3)};
