@@ -233,29 +233,39 @@ private:
         }
     }
 
-    // Where a vessel's height is greatest it is the envelope's if no other form's is less there. `size`: with
-    // what the place and the height are rounded, besides themselves.
+    // Where a vessel's height is greatest it is the envelope's if no other form's is less there; where it
+    // ties, the least of all is the envelope's in any case. `size`: with what the place and the height are
+    // rounded, besides themselves.
     void add_top(FormId form, const Eigen::Vector2d& top, double height, double of_place, double of_height,
                  Highest& highest) const {
         const double x = top.x(), y = top.y(), size = top.norm() + origin_ + of_place,
                      error = 32 * u * (of_height + size);
-        std::optional<bool> is_there = true;
-        const auto meet = [&](double room, double doubt) {
-            if (room < -doubt) is_there = false;
-            if (!(room > doubt) && is_there == true) is_there = std::nullopt;
+        std::optional<bool> is_there = true, is_over_region = true;
+        const auto meet = [](double room, double doubt, std::optional<bool>& holds) {
+            if (room < -doubt) holds = false;
+            if (!(room > doubt) && holds == true) holds = std::nullopt;
         };
         for (const RegionSide& side : problem_.region)
             meet(side.a * x + side.b * y + side.c,
-                 32 * u * ((std::abs(side.a) + std::abs(side.b)) * size + std::abs(side.c)));
+                 32 * u * ((std::abs(side.a) + std::abs(side.b)) * size + std::abs(side.c)), is_over_region);
+        is_there = is_over_region;
         const Heights heights(problem_.family);
         const Interval near_x = Interval::ball(x, 8 * u * size), near_y = Interval::ball(y, 8 * u * size);
+        Interval least = Interval::ball(height, error);
         for (const FormId g : problem_.sites.ids()) {
             if (g == form) continue;
-            const Interval apart = heights.value(g, near_x, near_y) - heights.value(form, near_x, near_y);
-            const Interval room = diagram_.is_of_floor(g) ? -apart : apart;
-            meet(room.mid(), room.radius());
+            const Interval other = heights.value(g, near_x, near_y),
+                           apart = other - heights.value(form, near_x, near_y);
+            const bool is_floor = diagram_.is_of_floor(g);
+            const Interval room = is_floor ? -apart : apart;
+            meet(room.mid(), room.radius(), is_there);
+            if (is_floor) meet(room.mid(), room.radius(), is_over_region);
+            if (!is_floor)
+                least = {std::min(least.lower(), other.lower()), std::min(least.upper(), other.upper())};
         }
         highest.add_top(height, error, is_there);
+        if (!is_there && is_over_region == true && std::isfinite(least.radius()))
+            highest.add(least.mid(), least.radius());
     }
 
     // Does the cell have a face beside the edge?

@@ -232,13 +232,12 @@ struct Farthest {
     double attained() const { return is_there == true ? height.lower() : height.lower() - below; }
 };
 /// At a point of the bisector, unless another site is nearer there. Excesses fall on the way from the base:
-/// those that are 0 in the point are told from less a little before it. (Of a plane's cell that asks for more
-/// than it states: there a tie counts as perhaps as high.)
+/// those that are 0 in the point are told from less a little before it.
 std::optional<Farthest> farthest_at(const Subject& subject, const Site& site, const Interval& height,
                                     const Vector<Interval>& p, const Frame& frame) {
     Farthest result{height, is_bounded(subject, site, p)};
     if (result.is_there == false) return std::nullopt;
-    if (result.is_there || std::holds_alternative<Plane>(subject.cell.scene.base)) return result;
+    if (result.is_there) return result;
     const double size = subject.geometry.scale();
     for (double part = 0x1p-48; part < 0x1p-16; part *= 4) {
         const double below = part * size;

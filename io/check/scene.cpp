@@ -168,7 +168,8 @@ std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin
         const Vec2 q = random_point(rng, lo, hi);
         const Vec3 p = origin_ + q.x() * across_[0] + q.y() * across_[1];
         const auto is_within = [&](std::uint32_t wall) { return distance_to(wall, p) >= margin; };
-        if (within(region, q, margin) && std::ranges::all_of(walls_, is_within)) return ray(p);
+        // Walls tell by themselves: a side of the polygon about them may be a rounding, of any direction.
+        if (within(region_, q, margin) && std::ranges::all_of(walls_, is_within)) return ray(p);
     }
     return std::nullopt;
 }

@@ -117,8 +117,7 @@ public:
     Object random_vessel() {
         const double off = chance(0.2) ? 0 : uniform(0, 1);
         const Vec3 middle = off * direction(), axis = vessel_axis();
-        const int most = is_plane() ? 1 : 2;  // no cones over planes
-        switch (count(0, most)) {
+        switch (count(0, 2)) {
             case 0: return HollowSphere{middle, uniform(0.6, 4)};
             case 1: return HollowCylinder{middle, axis, uniform(0.4, 3)};
             default: {
@@ -405,7 +404,7 @@ Scene silos(std::mt19937_64& rng, BaseKind kind) {
     };
     b.add_some(b.count(1, 2), [&]() -> Object {
         const Vec3 middle = b.chance(0.4) ? Vec3::Zero().eval() : b.integers(2);
-        switch (b.count(0, b.is_plane() ? 1 : 2)) {
+        switch (b.count(0, 2)) {
             case 0: return HollowSphere{middle, 0.5 * b.count(1, 12)};
             case 1: return HollowCylinder{middle, axis(), 0.5 * b.count(1, 8)};
             default: {

@@ -373,6 +373,19 @@ TEST_CASE("planes in tubes: random floors among balls in random vessels are cert
     CHECK(undecided <= rounds / 8);
 }
 
+// The least of all heights over the tip is a clearance, whether or not the tip is there.
+TEST_CASE("planes in tubes: where something touches the tip the largest clearance is known as well") {
+    for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(-1, 0, 1)}) {
+        CAPTURE(axis.transpose());
+        Scene scene = floor_in(ground, {HollowCylinder{{0, 0, 0}, axis, 1}, Plane{{0, 0, 2}, {0, 0, 1}}});
+        scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
+        const Cell cell = voronoi_cell(scene);
+        CHECK(std::abs(cell.measures.max_clearance - 1) <= cell.measures.max_clearance_error);
+        CHECK(cell.measures.max_clearance_error < 1e-12);
+        check_written(cell);
+    }
+}
+
 // The tip of what is all but a parabolic cylinder is as far away as the axis is level.
 TEST_CASE("planes in tubes: the less a tube leans from being level the farther away the tip is") {
     const Vessel level = lone_vessels()[2];

@@ -66,6 +66,16 @@ TEST_CASE("planes in tubes: the region's area is enclosed by polygons in and abo
     CHECK(geometry.shadow().contains(16));
 }
 
+// A wall that cuts the region twice leaves sides of a rounding's length, in any direction.
+TEST_CASE("planes in tubes: rays are found among walls that are equal") {
+    const HollowSphere wall{{-0.11878658886674708, -0.06632646583417963, -0.7792844884296132},
+                            1.459010096413607};
+    const Scene scene = floor_in({{0, 0, 0}, {-1, -1, -2}}, {wall, wall});
+    const check::SceneGeometry geometry(scene);
+    std::mt19937_64 rng(test_seed());
+    for (int i = 0; i < 20; ++i) CHECK(geometry.random_ray(rng, 0).has_value());
+}
+
 TEST_CASE("planes in tubes: a tip is where the axis is as high as the radius") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
