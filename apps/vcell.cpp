@@ -60,17 +60,17 @@ public:
         command_
             .add_option(
                 "-o,--output", outputs_,
-                "output file, .json, .svg, .html (a page to look at), .obj (with .mtl), .stl, .ply, .vtu, .glb, .3mf, "
-                ".step or .itd; may be repeated")
+                "output file, .json, .svg, .html (a page to look at), .obj (with .mtl), .stl, .ply, .vtu, "
+                ".bezier.vtu, .glb, .3mf, .step or .itd; may be repeated")
             ->required()
             ->allow_extra_args(false)
             ->type_name("FILE");
         command_
             .add_option(
                 "--format", format_,
-                "format of standard output: json, svg, html, obj, stl, ply, vtu, glb, 3mf, step or itd")
-            ->check(CLI::IsMember(
-                {"json", "svg", "html", "obj", "stl", "ply", "vtu", "glb", "3mf", "step", "itd"}))
+                "format of standard output: json, svg, html, obj, stl, ply, vtu, bezier.vtu, glb, 3mf, step or itd")
+            ->check(CLI::IsMember({"json", "svg", "html", "obj", "stl", "ply", "vtu", "bezier.vtu", "glb",
+                                   "3mf", "step", "itd"}))
             ->capture_default_str();
         command_
             .add_option(
@@ -148,16 +148,13 @@ private:
         std::string format = format_;
         std::string material_file;
         if (target != "-") {
-            format = fs::path(target).extension().string();
-            std::transform(format.begin(), format.end(), format.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-            if (!format.empty()) format.erase(0, 1);
-            if (format == "stp") format = "step";
-            if (format != "json" && format != "svg" && format != "itd" && format != "step" &&
-                !takes_mesh(format))
-                throw UsageError(fmt::format(
-                    "{}: an output must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or .itd",
-                    target));
+            format = format_of(target);
+            if (format != "json" && format != "svg" && format != "bezier.vtu" && format != "itd" &&
+                format != "step" && !takes_mesh(format))
+                throw UsageError(
+                    fmt::format("{}: an output must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, "
+                                ".bezier.vtu, .glb, .3mf, .step or .itd",
+                                target));
         }
         if (format == "html") require_pages(target);
         if (format == "obj" && target != "-") {
@@ -190,6 +187,7 @@ private:
         std::ostream& stream = out.file.stream();
         if (out.format == "json") write_cell(stream, cell, threads_.count());
         if (out.format == "svg") write_svg(stream, cell, {contours_});
+        if (out.format == "bezier.vtu") write_bezier_vtu(stream, cell);
         if (out.format == "itd") write_itd(stream, cell);
         if (out.format == "step") write_step(stream, cell);
         if (out.format == "obj") write_obj(stream, cell, *mesh, out.material_file);

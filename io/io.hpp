@@ -11,6 +11,7 @@
 #include "files/scene_file.hpp"
 #include "files/step_file.hpp"
 #include "files/stored_diagram.hpp"
+#include "pictures/bezier_vtu.hpp"
 #include "pictures/cell_output.hpp"
 #include "pictures/conforming_meshes.hpp"
 #include "pictures/diagram_pictures.hpp"

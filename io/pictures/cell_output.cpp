@@ -1,5 +1,8 @@
 #include "cell_output.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
@@ -8,6 +11,7 @@
 #include "../files/files.hpp"
 #include "../files/itd_file.hpp"
 #include "../files/step_file.hpp"
+#include "bezier_vtu.hpp"
 #include "mesh_formats.hpp"
 #include "obj.hpp"
 #include "page.hpp"
@@ -18,15 +22,14 @@ namespace vcell {
 namespace {
 
 void write_as_named(const std::string& path, const Cell& cell, const CellMesh* mesh) {
-    std::string ending = std::filesystem::path(path).extension().string();
-    if (ending == ".stp") ending = ".step";
-    const bool is_labelled = ending.size() > 1 && is_mesh_format(ending.substr(1));
-    if (!is_labelled && ending != ".json" && ending != ".svg" && ending != ".html" && ending != ".obj" &&
-        ending != ".step" && ending != ".itd")
+    const std::string format = format_of(path);
+    const bool is_labelled = is_mesh_format(format);
+    constexpr std::array others{"json", "svg", "html", "obj", "bezier.vtu", "step", "itd"};
+    if (!is_labelled && std::ranges::find(others, format) == others.end())
         throw std::invalid_argument(
-            "path: must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, .glb, .3mf, .step or .itd, is " +
+            "path: must end in .json, .svg, .html, .obj, .stl, .ply, .vtu, .bezier.vtu, .glb, .3mf, .step or .itd, is " +
             path);
-    if (ending == ".html" && !has_pages())
+    if (format == "html" && !has_pages())
         throw std::invalid_argument("path: " + path + ": three.js was missing when vcell was built");
     OutputFile file(path);
     std::ostream& out = file.stream();
@@ -36,22 +39,33 @@ void write_as_named(const std::string& path, const Cell& cell, const CellMesh* m
         own = tessellate(cell);
         return own;
     };
-    if (ending == ".json") write_cell(out, cell);
-    if (ending == ".svg") write_svg(out, cell);
-    if (ending == ".html") write_page(out, cell, triangles());
-    if (ending == ".obj") write_obj(out, cell, triangles(), "");
-    if (ending == ".step") write_step(out, cell);
-    if (ending == ".itd") write_itd(out, cell);
+    if (format == "json") write_cell(out, cell);
+    if (format == "svg") write_svg(out, cell);
+    if (format == "html") write_page(out, cell, triangles());
+    if (format == "obj") write_obj(out, cell, triangles(), "");
+    if (format == "bezier.vtu") write_bezier_vtu(out, cell);
+    if (format == "step") write_step(out, cell);
+    if (format == "itd") write_itd(out, cell);
     if (is_labelled) {
         LabelledMesh labelled;
         labelled.add(cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1, cell,
                      triangles());
-        write_mesh(out, ending.substr(1), labelled);
+        write_mesh(out, format, labelled);
     }
     file.commit();
 }
 
 }  // namespace
+
+std::string format_of(const std::string& path) {
+    const std::filesystem::path file(path);
+    std::string format = file.extension().string();
+    std::ranges::transform(format, format.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (!format.empty()) format.erase(0, 1);
+    if (format == "stp") return "step";
+    return format == "vtu" && file.stem().extension() == ".bezier" ? "bezier.vtu" : format;
+}
 
 void write_file(const std::string& path, const Cell& cell) { write_as_named(path, cell, nullptr); }
 void write_file(const std::string& path, const Cell& cell, const CellMesh& mesh) {

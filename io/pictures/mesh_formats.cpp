@@ -14,6 +14,7 @@
 #include "../../envelope/object_distance.hpp"
 #include "bytes.hpp"
 #include "site_style.hpp"
+#include "vtk_arrays.hpp"
 
 namespace vcell {
 
@@ -23,29 +24,12 @@ void write(std::ostream& out, const Bytes& data) {
     out.write(data.text().data(), static_cast<std::streamsize>(data.text().size()));
 }
 
-// An array of a .vtu: before its bytes goes their number.
-template <class Fill>
-void write_array(std::ostream& out, std::string_view attributes, std::size_t bytes, Fill&& fill) {
-    Bytes data;
-    data.add(static_cast<std::uint64_t>(bytes));
-    fill(data);
-    out << "<DataArray " << attributes << " format=\"binary\">\n";
-    out << base64(data.text()) << "\n</DataArray>\n";
-}
-template <class T>
-void write_array(std::ostream& out, std::string_view attributes, const std::vector<T>& values) {
-    write_array(out, attributes, sizeof(T) * values.size(), [&](Bytes& data) {
-        for (const T& value : values) data.add(value);
-    });
-}
-
-std::int32_t label(Site site) {
-    if (site.is_object()) return static_cast<std::int32_t>(site.index);
-    return site.kind == Site::Kind::BoxSide ? -1 - static_cast<std::int32_t>(site.index)
-                                            : LabelledMesh::beside_base;
-}
-
 }  // namespace
+
+std::int32_t LabelledMesh::label(Site site) {
+    if (site.is_object()) return static_cast<std::int32_t>(site.index);
+    return site.kind == Site::Kind::BoxSide ? -1 - static_cast<std::int32_t>(site.index) : beside_base;
+}
 
 std::size_t LabelledMesh::material(const std::string& name, std::string_view colour) {
     const auto known = std::ranges::find(materials, name, &Material::name);

@@ -19,6 +19,7 @@ struct LabelledMesh {
     /// What is no object on the other side of a triangle: a side of the box, as -1 - Site::index; the base or
     /// its walls and ends.
     static constexpr std::int32_t beside_base = -7;
+    static std::int32_t label(Site site);
 
     std::vector<Vec3> points;
     std::vector<double> clearance;  ///< of the points: their distance from the cell's base

@@ -372,7 +372,7 @@ void bind_files(py::module_& m) {
         },
         py::arg("cell"), py::arg("path"), py::arg("mesh") = py::none(),
         "Writes the cell in the format of the path's ending: .json, .svg, .html (a page to look at), .obj, .stl, .ply, "
-        ".vtu, .glb, .3mf, .step or .itd. The file is complete or untouched.\n\n"
+        ".vtu, .bezier.vtu, .glb, .3mf, .step or .itd. The file is complete or untouched.\n\n"
         "mesh: the cell's mesh, for formats of triangles; default: mesh(cell).\n\n"
         "Raises WriteError, an OSError.");
 }

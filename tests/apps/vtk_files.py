@@ -2,6 +2,8 @@
 
 VTK, ParaView's library, is not among .ci/packages (Debian's python3-vtk9); without it nothing is tested, which is said.
 """
+import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -57,6 +59,52 @@ def volume(mesh):
     return mass.GetVolume()
 
 
+def bernstein(degree, t):
+    return [math.comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)]
+
+
+def on_patch(patch, u, v):
+    """Its point at parts u and v of its domain."""
+    m, n = patch["degree"]
+    sums = [0.0] * 4
+    for i, a in enumerate(bernstein(m, u)):
+        for j, b in enumerate(bernstein(n, v)):
+            x, y, z, w = patch["points"][i][j]
+            for k, c in enumerate((x * w, y * w, z * w, w)):
+                sums[k] += a * b * c
+    return [s / sums[3] for s in sums[:3]]
+
+
+def location(element, u, v):
+    """The element's point at parameters, by VTK."""
+    at, weights = [0.0] * 3, [0.0] * element.GetNumberOfPoints()
+    element.EvaluateLocation(vtk.reference(0), (u, v, 0), at, weights)
+    return at
+
+
+def check_bezier(path, cell):
+    """VTK's rational Bezier elements are the cell's patches, and its curves begin and end in the cell's vertices."""
+    grid = read(path)
+    of_cells = arrays(grid.GetCellData())
+    size = max(max(map(abs, p[:3])) for f in cell["faces"] for q in f["patches"] for row in q["points"] for p in row)
+    patches = [(f, q) for f, face in enumerate(cell["faces"]) for q in face["patches"]]
+    curves = 0
+    for i in range(grid.GetNumberOfCells()):
+        element = grid.GetCell(i)
+        if i >= len(patches):
+            curves += 1
+            check(isinstance(element, vtk.vtkBezierCurve) and of_cells["face"].GetValue(i) == -1, f"{path.name}: {i}")
+            continue
+        face, patch = patches[i]
+        check(isinstance(element, vtk.vtkBezierQuadrilateral), f"{path.name}: {i} is no quadrilateral")
+        check(of_cells["face"].GetValue(i) == face, f"{path.name}: {i} is of another face")
+        for u in (0, 0.3, 1):
+            for v in (0, 0.6, 1):
+                away = math.dist(location(element, u, v), on_patch(patch, u, v))
+                check(away < 1e-12 * size, f"{path.name}: element {i} is {away} from its patch")
+    check(curves >= len(cell["edges"]), f"{path.name}: {curves} curves of {len(cell['edges'])} edges")
+
+
 def main():
     program, scenes, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     folder.mkdir(parents=True, exist_ok=True)
@@ -75,6 +123,11 @@ def main():
             check(abs(volume(mesh) / measured - 1) < 0.01, f"{file.name}: volume {volume(mesh)}, measured {measured}")
         of_cells, of_points = arrays(read(files[0]).GetCellData()), arrays(read(files[0]).GetPointData())
         check({"cell", "neighbor"} <= set(of_cells) and "clearance" in of_points, f"{name}.vtu: arrays {of_cells}")
+
+    for name in ("figure8", "three_tubes", "table3_04"):
+        files = [folder / f"{name}.json", folder / f"{name}.bezier.vtu"]
+        run("compute", scenes / f"{name}.json", "-o", files[0], "-o", files[1])
+        check_bezier(files[1], json.loads(files[0].read_text()))
 
     # Each cell of a diagram is a closed mesh, all of them fill the box, and porosity is there as the tables tell it.
     balls = "".join(f"{x} {y} {z} 0.{3 + (x + y + z) % 2}\n" for x in range(2) for y in range(2) for z in range(2))

@@ -1,8 +1,10 @@
 // Mesh files, read back byte by byte.
 #include "../../io/pictures/mesh_formats.hpp"
+#include "../../io/pictures/bezier_vtu.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../io/files/files.hpp"
 #include "base64.hpp"
 
 namespace vcell {
@@ -161,6 +164,73 @@ TEST_CASE("mesh formats: VTK's unstructured grid") {
     at = 0;
     for (std::size_t t = 0; t < count; ++t)
         CHECK(take<float>(porosities, at) == (t < mesh.parts[0].triangles.end ? 0.25f : 0.75f));
+}
+
+// VTK numbers a quadrilateral's control points corners first, then side by side, then what is inside.
+TEST_CASE("mesh formats: exact patches and edges are VTK's Bezier elements") {
+    Scene scene;
+    scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
+    scene.objects = {Sphere{{0, 0, 0.75}, 0.25}, Cylinder{{0, 0.5, 0.75}, {1, 0.25, 0.125}, 0.125}};
+    scene.box = {{-1, -1, -1}, {1, 1, 1}};
+    const Cell cell = voronoi_cell(scene);
+    std::ostringstream out;
+    write_bezier_vtu(out, cell);
+    const std::string file = out.str(), points = array_of(file, "Points"),
+                      weights = array_of(file, "RationalWeights"), types = array_of(file, "types"),
+                      offsets = array_of(file, "offsets"), degrees = array_of(file, "HigherOrderDegrees");
+    std::size_t at = 0, of_weights = 0, element = 0, next_degree = 0, end = 0;
+    const auto next_point = [&] {
+        Eigen::Vector4d p;
+        for (int k = 0; k < 3; ++k) p[k] = take<double>(points, at);
+        p[3] = take<double>(weights, of_weights);
+        return p;
+    };
+    const auto ends_at = [&] { return static_cast<std::size_t>(take<std::int64_t>(offsets, end)) * 24; };
+    for (const CellFace& face : cell.faces)
+        for (const TrimmedPatch& patch : face.patches) {
+            const RationalPatch& s = patch.surface;
+            CHECK(types[element++] == 77);
+            CHECK(take<double>(degrees, next_degree) == s.degree_u);
+            CHECK(take<double>(degrees, next_degree) == s.degree_v);
+            CHECK(take<double>(degrees, next_degree) == 0);
+            const std::size_t begin = at;
+            CHECK(next_point() == s.point(0, 0));
+            CHECK(next_point() == s.point(s.degree_u, 0));
+            CHECK(next_point() == s.point(s.degree_u, s.degree_v));
+            CHECK(next_point() == s.point(0, s.degree_v));
+            if (s.degree_u == 2) CHECK(next_point() == s.point(1, 0));
+            if (s.degree_v == 2) CHECK(next_point() == s.point(s.degree_u, 1));
+            if (s.degree_u == 2) CHECK(next_point() == s.point(1, s.degree_v));
+            if (s.degree_v == 2) CHECK(next_point() == s.point(0, 1));
+            if (s.degree_u == 2 && s.degree_v == 2) CHECK(next_point() == s.point(1, 1));
+            CHECK(at - begin == 24 * s.points.size());
+            CHECK(at == ends_at());
+        }
+    // Spans follow each other from the start of an edge to its end.
+    for (const CellEdge& edge : cell.edges) {
+        Vec3 last = edge.curve.points.front().head<3>();
+        double t = edge.curve.domain_begin();
+        while (t < edge.curve.domain_end()) {
+            CHECK(types[element++] == 75);
+            for (const double degree : {edge.curve.degree, 0, 0})
+                CHECK(take<double>(degrees, next_degree) == degree);
+            CHECK((next_point().head<3>() - last).norm() < 1e-14);
+            last = next_point().head<3>();
+            for (int k = 1; k < edge.curve.degree; ++k) next_point();
+            CHECK(at == ends_at());
+            t = *std::ranges::upper_bound(edge.curve.knots, t);
+            CHECK((last - edge.curve.evaluate(t)).norm() < 1e-14);
+        }
+    }
+    CHECK(element == types.size());
+    CHECK(at == points.size());
+    // VTK has no room for more.
+    Cell high = cell;
+    RationalPatch& s = high.faces[0].patches[0].surface;
+    s.degree_u = 11;
+    while (s.points.size() < static_cast<std::size_t>(12 * (s.degree_v + 1)))
+        s.points.push_back({0, 0, 0, 1});
+    CHECK_THROWS_AS(write_bezier_vtu(out, high), WriteError);
 }
 
 }  // namespace vcell
