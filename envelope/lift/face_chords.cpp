@@ -31,7 +31,7 @@ FaceChords::FaceChords(const RadialDiagram& of, const FaceLoops& loops, const Fa
     }
 }
 
-// Without the point where the next edge begins.
+// The point where the next edge begins is left out.
 void FaceChords::add_edge(EdgeId e, bool reversed, const RadialCurves& curves,
                           std::vector<Vec3>& loop) const {
     const MinimizationDiagram& diagram = of_.diagram;

@@ -137,7 +137,7 @@ struct CylinderIntegrand {
 // and the surface's stretch sqrt(lambda^2 + |K n - d|^2) / lambda are known along each ray, and what lies
 // between A and the span is
 //     height:  ((f + H) / 3 - H / 2) q x q',    chart:  q x q' / 2,    surface: stretch q x q' / 2.
-// Of a tube K = 1, and under the root is 2 (1 - n.d).
+// A tube has K = 1, and 2 (1 - n.d) under the root.
 // Points and A are rounded by up to u times `far`.
 struct ConeIntegrand {
     double far;

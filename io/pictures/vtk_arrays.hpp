@@ -11,7 +11,7 @@
 
 namespace vcell {
 
-/// In base64; before the bytes goes their number.
+/// An array is written in base64, and the number of its bytes before them.
 template <class Fill>
 void write_array(std::ostream& out, std::string_view attributes, std::size_t bytes, Fill&& fill) {
     Bytes data;

@@ -373,7 +373,7 @@ private:
         return {{}, rim, false, std::move(cap.rim)};
     }
 
-    // Of a seam's trim whose other end is at a parameter.
+    // The corner at the end of a seam's trim, whose other end is at a parameter.
     const Corner& corner(const TipSide& side, const TrimCurve& trim, double other_end) {
         Corner& c = corners_.at({*trim.seam, side.is_first()});
         if (!c.place) {

@@ -329,7 +329,7 @@ private:
         add_tube(form, i);
         objects_.hollow_cylinders.add(world_form(vessel), i);
     }
-    // Likewise: the trace is that of any plane on a cone.
+    // The trace of a cone is a conic of any kind.
     void add(std::uint32_t i, const HollowCone& vessel) {
         const CylinderForm form = form_of(i);
         const CylinderTrace trace = trace_on_base(form);

@@ -109,7 +109,7 @@ HeightJet<T> cylinder_jet(const Cylinder& f, const CylinderConstants<T>& constan
             (f.az * (h.cx - f.ay * h.v) - f.ax * h.cz) / h.root};
 }
 
-// In doubles, with its gradient.
+// The height by doubles, with its gradient.
 std::array<double, 3> near_cylinder(const CylinderForm& c, double x, double y) {
     const double mx = x - c.px, my = y - c.py, cx = c.az * my + c.ay * c.pz, cy = -(c.az * mx) - c.ax * c.pz,
                  cz = c.ay * mx - c.ax * my, level = c.ax * c.ax + c.ay * c.ay, norm = level + c.az * c.az,

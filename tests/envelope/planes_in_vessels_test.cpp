@@ -242,7 +242,7 @@ TEST_CASE("planes in vessels: cones that lie down") {
         check_against_samples(scene, cell, 300);
         check_vertices_on(cell);
     };
-    // With a level line below the base, and above it.
+    // A level line lies below the base, then above it.
     check({{-1, 0, -0.5}, {4, 0, 3}, 3, 5}, {CurveKind::Parabola}, "parabolic cylinder");
     check({{-1, 0.25, 0.75}, {4, 0, -3}, 3, 5}, {CurveKind::Parabola}, "elliptic cone");
     for (const double height : {0.5, -0.25})

@@ -13,8 +13,9 @@
 namespace vcell {
 namespace {
 
-// Of a cone whose lowest line is level, in the box: half its angle has the tangent 3 / 4, and (x, y, 0) lies
-// in it where the distance from the axis, of square (0.6 x - 0.4)^2 + y^2, is at most 3 / 4 (0.8 x + 0.3).
+// The box leaves so much of a cone whose lowest line is level: half its angle has the tangent 3 / 4, and
+// (x, y, 0) lies in it where the distance from the axis, of square (0.6 x - 0.4)^2 + y^2, is at most 3 / 4
+// (0.8 x + 0.3).
 double region_under_level_line() { return 2 * (2.0 / 3) / 0.75 * std::pow(0.75 * 2 - 0.109375, 1.5); }
 
 struct WalledRegion {
