@@ -120,6 +120,10 @@ void RadialDistances::add_nearest(const RadialBaseProblem& problem, FormId form,
         least_[0] = std::min(least_[0], least - error);
 }
 
+// How far before such a place, as a part of its distance, a bound that shows is looked for: what is stated is
+// off by no more, or by all that edges leave open.
+constexpr double farthest_before = 0x1p-16;
+
 // The bisector with a vessel is farthest from the base's centre or axis where the rays from that and from the
 // wall meet head on: nothing later on has the place unless an edge runs through it. Excesses fall on the way
 // there: what ties in the place is farther a little before it.
@@ -137,7 +141,7 @@ void RadialDistances::add_farthest(const RadialBaseProblem& problem, FormId form
             add(t, t, error);
         } else if (room >= -4 * error) {
             greatest_[1] = std::max(greatest_[1], t + error);
-            for (double before = 16 * error; before < 0x1p-16 * t; before *= 4) {
+            for (double before = 16 * error; before < farthest_before * t; before *= 4) {
                 const double s = t - before;
                 if (!(room_at(problem, form, foot + s / t * (p - foot), s - R0) > 4 * error)) continue;
                 known_[1] = std::max(known_[1], s);

@@ -239,7 +239,9 @@ std::optional<Farthest> farthest_at(const Subject& subject, const Site& site, co
     if (result.is_there == false) return std::nullopt;
     if (result.is_there) return result;
     const double size = subject.geometry.scale();
-    for (double part = 0x1p-48; part < 0x1p-16; part *= 4) {
+    // Parts of the scene: from what rounding leaves to the coarsest bound that is worth having.
+    constexpr double first = 0x1p-48, last = 0x1p-16;
+    for (double part = first; part < last; part *= 4) {
         const double below = part * size;
         if (is_bounded(subject, site, p - Interval(below) * subject.space.up(p)) != true) continue;
         result.below = below / frame.unit() * (1 + 0x1p-50);

@@ -20,9 +20,9 @@ struct CappedFaces {
     std::unordered_map<std::uint32_t, std::array<std::optional<std::uint32_t>, 2>> ends;
 };
 
-/// The same faces, but that patches which have the tip of a hollow tube's or cone's bisector for a side, a
-/// loop with a gap and no edge in CAD, end before it, along a curve from seam to seam. Beyond that the
-/// surface goes on in a patch of its own, a cap, of which the tip is one corner: of parameters over [0, 1]
+/// Faces are cut before the tips of hollow tubes' and cones' bisectors: where a patch has one for a side it
+/// ends along a curve from seam to seam, as a loop in CAD has an edge on each side. Beyond that the surface
+/// goes on in a patch of its own, a cap, of which the tip is one corner: of parameters over [0, 1]
 /// whose axes are the seams. Nothing is approximated: a cap is rational, of the product of the surface's
 /// degrees in either parameter. A tip that is not between two straight seams, or that another trim comes to
 /// but for rounding, has none.

@@ -120,16 +120,17 @@ TEST_CASE("planes in vessels: alone in a hollow sphere a plane has all below a p
     }
 }
 
+void check_close(double value, double error, double truth) {
+    CHECK(std::abs(value - truth) <= error + 1e-14);
+    CHECK(error < 1e-10);
+}
+
 // Below the tip at height R lies the cone over the trace of the wall on the base.
 TEST_CASE(
     "planes in vessels: alone in a hollow cylinder a plane has all below a cone or a parabolic cylinder") {
     Scene scene;
     scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
     scene.box = wide;
-    const auto check = [](double value, double error, double truth) {
-        CHECK(std::abs(value - truth) <= error + 1e-14);
-        CHECK(error < 1e-10);
-    };
     for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0, 0, -2), Vec3(1, 2, 3), Vec3(-0.5, 0, 1)}) {
         CAPTURE(axis.transpose());
         constexpr double radius = 1.125;
@@ -145,13 +146,13 @@ TEST_CASE(
         CHECK(cell.edges[0].error < 1e-11);
         const Measures& m = cell.measures;
         const double area = pi * radius * radius / std::abs(axis.normalized().z());
-        check(m.base_area, m.base_area_error, area);
-        check(m.volume, m.volume_error, area * radius / 3);
-        check(m.min_clearance, m.min_clearance_error, 0);
-        check(m.max_clearance, m.max_clearance_error, radius);
+        check_close(m.base_area, m.base_area_error, area);
+        check_close(m.volume, m.volume_error, area * radius / 3);
+        check_close(m.min_clearance, m.min_clearance_error, 0);
+        check_close(m.max_clearance, m.max_clearance_error, radius);
         if (is_upright) {
-            check(m.area, m.area_error, std::sqrt(2) * area);
-            check(cell.edges[0].length, cell.edges[0].length_error, 2 * pi * radius);
+            check_close(m.area, m.area_error, std::sqrt(2) * area);
+            check_close(cell.edges[0].length, cell.edges[0].length_error, 2 * pi * radius);
         }
         CHECK(!m.touches_box);
     }
@@ -164,9 +165,9 @@ TEST_CASE(
         CHECK(cell.edges.size() == 4);
         const Measures& m = cell.measures;
         const double square = 1.25 * 1.25 - height * height, width = std::sqrt(square);
-        check(m.base_area, m.base_area_error, 8 * width);
-        check(m.volume, m.volume_error, 4 * (4.0 / 3) * square * width / (2 * (1.25 - height)));
-        check(m.max_clearance, m.max_clearance_error, 0.5 * (1.25 + height));
+        check_close(m.base_area, m.base_area_error, 8 * width);
+        check_close(m.volume, m.volume_error, 4 * (4.0 / 3) * square * width / (2 * (1.25 - height)));
+        check_close(m.max_clearance, m.max_clearance_error, 0.5 * (1.25 + height));
         CHECK(m.touches_box);
     }
 }
@@ -178,10 +179,6 @@ TEST_CASE("planes in vessels: alone in a hollow cone a plane has all below a con
     Scene scene;
     scene.base = Plane{{0, 0, 0}, {0, 0, 1}};
     scene.box = wide;
-    const auto check = [](double value, double error, double truth) {
-        CHECK(std::abs(value - truth) <= error + 1e-14);
-        CHECK(error < 1e-10);
-    };
     // Half its angle has a sine of 3 / 5, a tangent of 3 / 4.
     for (const bool is_roof : {false, true}) {
         CAPTURE(is_roof);
@@ -196,11 +193,11 @@ TEST_CASE("planes in vessels: alone in a hollow cone a plane has all below a con
         CHECK(cell.edges[0].error < 1e-11);
         const Measures& m = cell.measures;
         const double tip = 0.6 * h / (is_roof ? 1.6 : 0.4), area = pi * radius * radius;
-        check(m.base_area, m.base_area_error, area);
-        check(m.volume, m.volume_error, area * tip / 3);
-        check(m.area, m.area_error, pi * radius * std::hypot(radius, tip));
-        check(m.min_clearance, m.min_clearance_error, 0);
-        check(m.max_clearance, m.max_clearance_error, tip);
+        check_close(m.base_area, m.base_area_error, area);
+        check_close(m.volume, m.volume_error, area * tip / 3);
+        check_close(m.area, m.area_error, pi * radius * std::hypot(radius, tip));
+        check_close(m.min_clearance, m.min_clearance_error, 0);
+        check_close(m.max_clearance, m.max_clearance_error, tip);
         CHECK(!m.touches_box);
     }
     // The axis leans by an angle of tangent 1 / 4: lines of the wall by tangents (3/4 +- 1/4) / (1 -+ 3/16).
@@ -217,10 +214,10 @@ TEST_CASE("planes in vessels: alone in a hollow cone a plane has all below a con
     const double cosine = 1 / std::hypot(1, 0.25), half = 0.5 * (near + far);
     const double low = 0.6 * std::hypot(near, h), high = 0.6 * std::hypot(far, h);
     const double area = pi * half * std::sqrt(low * high);
-    check(cell.measures.base_area, cell.measures.base_area_error, area);
+    check_close(cell.measures.base_area, cell.measures.base_area_error, area);
     const double tip = 0.6 * h / (cosine - 0.6);
-    check(cell.measures.volume, cell.measures.volume_error, area * tip / 3);
-    check(cell.measures.max_clearance, cell.measures.max_clearance_error, tip);
+    check_close(cell.measures.volume, cell.measures.volume_error, area * tip / 3);
+    check_close(cell.measures.max_clearance, cell.measures.max_clearance_error, tip);
 }
 
 // A cone of which a line of the wall is level opens over a parabola, and its bisector is a parabolic

@@ -38,6 +38,19 @@ std::size_t count(const std::map<int, std::string>& all, const std::string& kind
     return n;
 }
 
+// Calls visit(face, use, the next one around the loop).
+template <class Visit>
+void for_uses(const Solid& solid, Visit&& visit) {
+    for (const Solid::Face& face : solid.faces)
+        for (const auto& loop : face.loops)
+            for (std::size_t i = 0; i < loop.size(); ++i) visit(face, loop[i], loop[(i + 1) % loop.size()]);
+}
+
+void check_follows(const Solid& solid, const Solid::Use& use, const Solid::Use& next) {
+    CHECK(solid.edges[use.edge].vertices[use.reversed ? 0 : 1] ==
+          solid.edges[next.edge].vertices[next.reversed ? 1 : 0]);
+}
+
 }  // namespace
 
 TEST_CASE("step: a ball's cell is a closed solid of its faces, edges and vertices") {
@@ -180,13 +193,9 @@ TEST_CASE("step: where the base runs through a corner of the box no edge is a po
             CHECK(e.vertices[0] != e.vertices[1]);
             CHECK((solid.vertices[e.vertices[0]] - solid.vertices[e.vertices[1]]).norm() > 1e-3);
         }
-        for (const Solid::Face& face : solid.faces)
-            for (const auto& loop : face.loops)
-                for (std::size_t i = 0; i < loop.size(); ++i) {
-                    const Solid::Use &use = loop[i], &next = loop[(i + 1) % loop.size()];
-                    CHECK(solid.edges[use.edge].vertices[use.reversed ? 0 : 1] ==
-                          solid.edges[next.edge].vertices[next.reversed ? 1 : 0]);
-                }
+        for_uses(solid, [&](const Solid::Face&, const Solid::Use& use, const Solid::Use& next) {
+            check_follows(solid, use, next);
+        });
     }
 }
 
@@ -194,26 +203,20 @@ namespace {
 
 // Loops are closed in space and in the parameters, and lie on the edges at the same parameter.
 void check_loops(const Solid& solid) {
-    for (const Solid::Face& face : solid.faces)
-        for (const auto& loop : face.loops)
-            for (std::size_t i = 0; i < loop.size(); ++i) {
-                const Solid::Use &use = loop[i], &next = loop[(i + 1) % loop.size()];
-                CHECK(solid.edges[use.edge].vertices[use.reversed ? 0 : 1] ==
-                      solid.edges[next.edge].vertices[next.reversed ? 1 : 0]);
-                const auto end = [](const Solid::Use& of, bool is_last) {
-                    return of.curve.evaluate(is_last == of.reversed ? of.curve.domain_begin()
-                                                                    : of.curve.domain_end());
-                };
-                CHECK((end(use, true) - end(next, false)).norm() < 1e-9);
-                const RationalCurve3& curve = solid.edges[use.edge].curve;
-                for (int k = 0; k <= 64; ++k) {
-                    const double t =
-                        curve.domain_begin() + (curve.domain_end() - curve.domain_begin()) * k / 64;
-                    const Vec2 uv = use.curve.evaluate(t);
-                    CHECK((face.surface.evaluate(uv.x(), uv.y()) - curve.evaluate(t)).norm() <=
-                          solid.off + 1e-12);
-                }
-            }
+    for_uses(solid, [&](const Solid::Face& face, const Solid::Use& use, const Solid::Use& next) {
+        check_follows(solid, use, next);
+        const auto end = [](const Solid::Use& of, bool is_last) {
+            return of.curve.evaluate(is_last == of.reversed ? of.curve.domain_begin()
+                                                            : of.curve.domain_end());
+        };
+        CHECK((end(use, true) - end(next, false)).norm() < 1e-9);
+        const RationalCurve3& curve = solid.edges[use.edge].curve;
+        for (int k = 0; k <= 64; ++k) {
+            const double t = curve.domain_begin() + (curve.domain_end() - curve.domain_begin()) * k / 64;
+            const Vec2 uv = use.curve.evaluate(t);
+            CHECK((face.surface.evaluate(uv.x(), uv.y()) - curve.evaluate(t)).norm() <= solid.off + 1e-12);
+        }
+    });
 }
 
 }  // namespace
