@@ -32,11 +32,20 @@ double share(const Vec3& b, const Vec3& from, const Vec3& to, const Vec3& n, dou
 
 }  // namespace
 
-// The distance on the sphere is no less than that along n from the circle's plane.
+// The distance on the sphere is no less than the straight one, and that no less than the one along n from the
+// circle's plane. A short arc tells its plane badly, its direction by no more than some roundings over the
+// chord's square; but all of an arc shorter than half a turn is in the ball that has the chord for a
+// diameter.
 double SolidAngle::distance_from(const Vec3& direction) const {
     double least = has_segments_ ? 0 : pi;
     constexpr double rounding = 64 * u;
-    for (const Arc& arc : arcs_) least = std::min(least, std::abs(arc.n.dot(direction) - arc.h) - rounding);
+    for (const Arc& arc : arcs_) {
+        const double chord = (arc.to - arc.from).norm(),
+                     from_plane =
+                         std::abs(arc.n.dot(direction) - arc.h) - rounding * (1 + 1 / (chord * chord)),
+                     from_ball = (direction - 0.5 * (arc.from + arc.to)).norm() - 0.5 * chord - rounding;
+        least = std::min(least, std::max(from_plane, from_ball));
+    }
     return std::max(0.0, least);
 }
 

@@ -33,7 +33,10 @@ std::optional<Apex> ApexFinder::find() {
         apex.point = v.point;
         apex.error = v.error;
         apex.decided = touching.empty();
-        if (touching.empty()) return apex;
+        if (touching.empty()) {
+            find_between(apex, assumed_exponent);
+            return apex;
+        }
     }
 
     std::optional<ProvedRoot> root;

@@ -119,6 +119,28 @@ TEST_CASE("cylinder cell: faces that end in cusps where four balls tie") {
     }
 }
 
+TEST_CASE("cylinder cell: faces that end in cusps on the end in whose plane tubes cross it") {
+    // Beside the end all that competes changes as it does across the tube: edges touch there, next to the
+    // side of the box at the distance at which two others tie.
+    const auto scenes = {
+        about_tube({{0, 0, 0}, {0, 1, 0}, 0.5}, 2,
+                   {Cylinder{{2, 0, 2}, {0, 1, 0}, 0.5}, Cylinder{{-2, 0, 0}, {0, 0, 1}, 0.5}}),
+        about_tube({{0, 0, 0}, {0, 1, 0}, 0.25}, 2,
+                   {Cylinder{{2, 0, 0}, {0, 0, 1}, 0.25}, Cylinder{{-2, 0, 0}, {0, 0, 1}, 0.25}})};
+    for (Scene scene : scenes) {
+        scene.box = {{-6, -2, -6}, {2, 2, 2}};
+        const Cell both = checked(scene);
+        scene.box.min.y() = 0;
+        const Cell half = checked(scene);
+        CHECK(both.report.decisions.assumed == 0);
+        CHECK(half.report.decisions.assumed == 0);
+        CHECK(half.measures.volume == doctest::Approx(0.5 * both.measures.volume).epsilon(1e-9));
+        CHECK(std::ranges::any_of(half.vertices, [](const CellVertex& v) {
+            return v.point.isApprox(Vec3(0, 0, 2)) && v.sites.size() >= 4;
+        }));
+    }
+}
+
 TEST_CASE("cylinder cell: in lattices of balls along its frame nothing is assumed") {
     std::mt19937_64 rng(test_seed());
     const auto number = [&](int low, int high) { return std::uniform_int_distribution(low, high)(rng); };

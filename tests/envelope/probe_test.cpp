@@ -174,6 +174,19 @@ TEST_CASE("cap angle: circles about any axis, seen from both sides, and faces be
         check_value(face.value({{-n, true}}).angle, face.value({{-n, true}}).error, 4 * pi);
         CHECK(face.value({{n, true}}).error > 6);  // too near
     }
+    // Arcs so short that they do not tell their circles, which all might run through the place.
+    for (const double length : {1e-9, 1e-16, 0.0}) {
+        const Vec3 place = -Vec3::UnitZ(), a(0, -0.8, -0.6),
+                   b = (a + length * Vec3(0.6, 0.48, -0.64)).normalized(), c = a + 0.5 * (b - a);
+        SolidAngle face;
+        face.add(a, b, a.cross(place).normalized(), 0, 1);
+        face.add(b, c, b.cross(place).normalized(), 0, 1);
+        face.add(c, a, Vec3::Zero(), 0, 1);
+        CAPTURE(length);
+        check_value(face.value({{place, false}}).angle, face.value({{place, false}}).error, 0);
+        check_value(face.value({{place, true}}).angle, face.value({{place, true}}).error, 4 * pi);
+        CHECK(face.value({{place, true}}).error < 1e-10);
+    }
 }
 
 TEST_CASE("bodies: of balls that overlap next to nothing next to nothing is lost") {
