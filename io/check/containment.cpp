@@ -178,19 +178,25 @@ bool contains(const Object& holder, const Object& held) {
 bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side) {
     const auto axis = static_cast<Eigen::Index>(side / 2);
     const double bound = (side % 2 == 0 ? scene.box.min : scene.box.max)[axis];
-    // The image has to be told by a double, and what it is the image of inside the side.
+    // The image has to be told by a double.
     const auto mirror = [&](double& x) {
-        const bool is_inside = side % 2 == 0 ? x > bound : x < bound;
         const double image = 2 * bound - x;
         const bool is_exact = (Exact(image) + Exact(x) - 2.0 * Exact(bound)).sign() == Sign::Zero;
         x = image;
-        return is_inside && is_exact;
+        return is_exact;
     };
+    const auto is_inside = [&](double x) { return side % 2 == 0 ? x > bound : x < bound; };
     Object image = scene.base;
-    if (auto* ball = std::get_if<Sphere>(&image))
-        return mirror(ball->center[axis]) && contains(holder, image);
+    if (auto* plane = std::get_if<Plane>(&image)) {
+        // A vessel is on one side of the image, and on the base's, if anything of it is there.
+        plane->normal[axis] = -plane->normal[axis];
+        return is_vessel(holder) && mirror(plane->point[axis]) && contains(holder, image);
+    }
+    auto* ball = std::get_if<Sphere>(&image);
     auto* tube = std::get_if<Cylinder>(&image);
-    return tube != nullptr && tube->axis[axis] == 0 && mirror(tube->point[axis]) && contains(holder, image);
+    if (tube != nullptr && tube->axis[axis] != 0) return false;
+    double& x = (ball != nullptr ? ball->center : tube->point)[axis];
+    return is_inside(x) && mirror(x) && contains(holder, image);
 }
 
 bool base_contains(const Object& base, const Object& held) {

@@ -11,8 +11,9 @@ namespace vcell::check {
 /// Does `holder` contain all of `held`? A plane holds what lies in it, balls and cylinders are solid. Of a
 /// cylinder the axis may have any length.
 bool contains(const Object& holder, const Object& held);
-/// Does it contain what mirrors the base, a ball or a tube along that side of the box, in the side? Then a
-/// point that is as far from it as from the base is inside the side: false where that is not known.
+/// Does it contain what mirrors the base in that side of the box, a tube along it, or as a vessel have it
+/// beyond its wall? Then a point that is as far from it as from the base is inside the side: false where that
+/// is not known.
 bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side);
 /// Does the base contain all of an object, or as a plane have it behind its front?
 bool base_contains(const Object& base, const Object& held);

@@ -383,8 +383,15 @@ private:
             if (const Site side = Site::box_side(s);
                 !is_parallel(side) && (!cell_.is_complete || geometry_.is_upright(side)))
                 found.push_back({side, true});
-        std::erase_if(found, [&](const Condition& c) { return contains(v.sites, c.site); });
+        std::erase_if(found,
+                      [&](const Condition& c) { return contains(v.sites, c.site) || is_behind(c.site); });
         return found;
+    }
+    /// Rays lead away from a side of the box behind the base plane, which may be the base's own.
+    bool is_behind(const Site& s) const {
+        if (!geometry_.is_plane() || s.kind != Site::Kind::BoxSide || !is_parallel(s)) return false;
+        const double along = std::get<Plane>(scene_.base).normal[s.index / 2];
+        return s.index % 2 == 0 ? along > 0 : along < 0;
     }
     /// A side of the box along the base plane asks nothing of base points.
     bool is_parallel(const Site& side) const {

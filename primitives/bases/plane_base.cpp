@@ -145,6 +145,7 @@ public:
         }
         if (objects_.cylinders.size() > 0) drop_hidden();
         objects_.drop_wider_tubes_and_cones();
+        objects_.drop_beyond_tubes_and_cones();
         make_forms();
         add_cylinders();
         sites_.settle();
@@ -172,6 +173,7 @@ public:
                 base_, scene_.box, sides_[(i + sides_.size() - 1) % sides_.size()].site, sides_[i].site));
         problem.floor = std::move(floor_);
         problem.family.forms = std::move(forms_);
+        for (const FormId side : hidden_sides_) problem.family.hide(side);
         for (const std::uint32_t i : tubes_) {
             if (!objects_.is_kept(i)) continue;
             problem.family.cylinders.push_back(form_of(i));
@@ -388,6 +390,7 @@ private:
             const LinearForm form =
                 first_plane[i] < i ? plane_forms[first_plane[i]] : plane_form(placed_planes_[i]);
             plane_forms.push_back(form);
+            if (!objects_.is_kept(planes.objects[i])) continue;
             if (form[3].sign() != Sign::Positive) {
                 objects_.leave_out_unmet(planes.objects[i]);
                 continue;
@@ -426,6 +429,11 @@ private:
             const auto& [a, b, c, w] = linear[i];
             sources_->push_back(std::make_shared<const ExactForm>(ExactForm{Exact(), a, b, c, w}));
             sites_.add(linear_sites[i]);
+            // A side of the box is as far as the base's image across it.
+            const Site site = linear_sites[i];
+            if (!site.is_object() &&
+                objects_.has_beyond_wall(half_way_to_image(base_, WorldSide(scene_.box, site.index))))
+                hidden_sides_.push_back(linear_forms[i]);
         };
         std::size_t ball = 0, vessel = 0;
         const auto add_balls_before = [&](Site end) {
@@ -509,7 +517,7 @@ private:
 
     IdVector<FormId, CircularForm> forms_;
     FormSites sites_;
-    std::vector<FormId> floor_;
+    std::vector<FormId> floor_, hidden_sides_;
     std::shared_ptr<IdVector<FormId, FormSource>> sources_;
 };
 

@@ -57,29 +57,7 @@ void RadialObjects::drop_hidden_and_equal(const std::vector<std::pair<CylinderFo
             }
         });
     }
-    for (std::size_t k = 0; k < hollow_cylinders.size(); ++k) {
-        const CylinderForm& vessel = hollow_cylinders.items[k];
-        drop_beyond_wall(hollow_cylinders.objects[k], [&](const auto& solid) {
-            using Solid = std::decay_t<decltype(solid)>;
-            if constexpr (std::is_same_v<Solid, Ball>)
-                return is_beside(vessel, solid.cx, solid.cy, solid.cz, solid.rho);
-            else if constexpr (std::is_same_v<Solid, HalfSpace>)
-                return is_beyond({solid.n.x(), solid.n.y(), solid.n.z(), solid.d}, vessel) ||
-                       is_beyond({-solid.n.x(), -solid.n.y(), -solid.n.z(), -solid.d}, vessel);
-            else
-                return is_beside(vessel, solid);
-        });
-    }
-    for (std::size_t k = 0; k < hollow_cones.size(); ++k) {
-        const ConeForm& vessel = hollow_cones.items[k];
-        drop_beyond_wall(hollow_cones.objects[k], [&](const auto& solid) {
-            using Solid = std::decay_t<decltype(solid)>;
-            if constexpr (std::is_same_v<Solid, HalfSpace>)
-                return is_beyond(ExactVector(solid.n), solid.d, vessel);
-            else
-                return is_beside(vessel, solid);
-        });
-    }
+    drop_beyond_tubes_and_cones();
 }
 
 // A vessel that has another one within is never nearer than that; the first of equal ones is taken.
@@ -111,19 +89,6 @@ void RadialObjects::drop_wider_vessels() {
                        contains(cone, ball.center, ball.radius), false);
         }
     }
-}
-
-template <class IsBeyond>
-void RadialObjects::drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it) {
-    if (!is_kept(vessel)) return;
-    const auto look = [&](const auto& listed) {
-        for (std::size_t i = 0; i < listed.size(); ++i)
-            if (!is_left_out(listed.objects[i]) && is_beyond_it(listed.items[i]))
-                hide_beyond_wall(listed.objects[i], vessel);
-    };
-    look(balls);
-    look(planes);
-    look(cylinders);
 }
 
 void FoundForms::add_twins(const RadialObjects& all) {

@@ -33,8 +33,6 @@ public:
 
 private:
     void drop_wider_vessels();
-    template <class IsBeyond>
-    void drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it);
 };
 
 /// The sites of each form, and the first one as an object.

@@ -15,6 +15,7 @@
 #include "../objects/decided_scene.hpp"
 #include "../objects/message.hpp"
 #include "radial_objects.hpp"
+#include "solids.hpp"
 #include "sphere_forms.hpp"
 
 namespace vcell {
@@ -287,6 +288,29 @@ private:
         }
     }
 
+    // A side of the box is as far as the base's image across it. A tube that has that in it, and a vessel
+    // with that beyond its wall, are nowhere farther; and as near along a whole curve where such a tube is as
+    // wide as the base and its axis runs through the image's centre.
+    bool is_hidden(const WorldSide& side) const {
+        if (objects_.cylinders.size() + objects_.hollow_cylinders.size() + objects_.hollow_cones.size() == 0)
+            return false;
+        Vec3 center = frame_.center;
+        center[side.axis] = 2 * side.bound - frame_.center[side.axis];
+        if (Exact(center[side.axis]) + frame_.center[side.axis] != 2.0 * Exact(side.bound)) return false;
+        const Ball image{center.x(), center.y(), center.z(), frame_.radius};
+        bool is_hidden = false;
+        objects_.for_kept(objects_.cylinders, [&](const CylinderForm& tube, std::uint32_t) {
+            is_hidden = is_hidden || contains(tube, image.cx, image.cy, image.cz, image.rho);
+        });
+        objects_.for_kept(objects_.hollow_cylinders, [&](const CylinderForm& vessel, std::uint32_t) {
+            is_hidden = is_hidden || is_beside(vessel, image.cx, image.cy, image.cz, image.rho);
+        });
+        objects_.for_kept(objects_.hollow_cones, [&](const ConeForm& vessel, std::uint32_t) {
+            is_hidden = is_hidden || is_beside(vessel, image);
+        });
+        return is_hidden;
+    }
+
     // A huge ball can have the very height of a plane whose |n| has been rounded down: a plane's C is
     // proportional to |n| - rounded |n|.
     void merge_planelike_balls() {
@@ -436,6 +460,7 @@ private:
                 continue;
             }
             const WorldSide side(scene_.box, s);
+            if (is_hidden(side)) problem.family.hide(FormId{static_cast<std::uint32_t>(forms.size())});
             const Vec3 foot = (side.bound - frame_.center[side.axis]) * Vec3::Unit(side.axis);
             add(site, Plane{foot, side.normal()}, rounded_form(side, frame_), {Kind::Side, s});
         }

@@ -1,6 +1,7 @@
 #include "world_objects.hpp"
 
 #include <numeric>
+#include <type_traits>
 
 #include "../objects/decided_scene.hpp"
 #include "nested_cylinders.hpp"
@@ -95,6 +96,44 @@ void WorldObjects::drop_wider_tubes_and_cones() {
     };
     among(hollow_cylinders);
     among(hollow_cones);
+}
+
+void WorldObjects::drop_beyond_tubes_and_cones() {
+    for (std::size_t k = 0; k < hollow_cylinders.size(); ++k) {
+        const CylinderForm& vessel = hollow_cylinders.items[k];
+        drop_beyond_wall(hollow_cylinders.objects[k], [&](const auto& solid) {
+            using Solid = std::decay_t<decltype(solid)>;
+            if constexpr (std::is_same_v<Solid, Ball>)
+                return is_beside(vessel, solid.cx, solid.cy, solid.cz, solid.rho);
+            else if constexpr (std::is_same_v<Solid, HalfSpace>)
+                return is_beyond({solid.n.x(), solid.n.y(), solid.n.z(), solid.d}, vessel) ||
+                       is_beyond({-solid.n.x(), -solid.n.y(), -solid.n.z(), -solid.d}, vessel);
+            else
+                return is_beside(vessel, solid);
+        });
+    }
+    for (std::size_t k = 0; k < hollow_cones.size(); ++k) {
+        const ConeForm& vessel = hollow_cones.items[k];
+        drop_beyond_wall(hollow_cones.objects[k], [&](const auto& solid) {
+            using Solid = std::decay_t<decltype(solid)>;
+            if constexpr (std::is_same_v<Solid, HalfSpace>)
+                return is_beyond(ExactVector(solid.n), solid.d, vessel);
+            else
+                return is_beside(vessel, solid);
+        });
+    }
+}
+
+bool WorldObjects::has_beyond_wall(const std::array<Exact, 4>& plane) const {
+    const auto& [x, y, z, d] = plane;
+    bool has = false;
+    for_kept(hollow_cylinders, [&](const CylinderForm& vessel, std::uint32_t) {
+        has = has || is_beyond({-x, -y, -z, -d}, vessel);
+    });
+    for_kept(hollow_cones, [&](const ConeForm& vessel, std::uint32_t) {
+        has = has || is_beyond(ExactVector{x, y, z}, d, vessel);
+    });
+    return has;
 }
 
 void WorldObjects::warn(const FormSites& sites, const char* unmet, std::vector<std::string>& warnings) const {

@@ -128,6 +128,14 @@ public:
     /// one of equal ones stands for all.
     void drop_wider_tubes_and_cones();
 
+    /// Leaves out what lies beyond the wall of a hollow cylinder or cone: where something of the vessel's
+    /// inside is on the way to it, the wall is nearer, at best as near. Such ties may run along whole curves
+    /// of the base.
+    void drop_beyond_tubes_and_cones();
+    /// Is the plane n.p + d = 0, given as (nx, ny, nz, d), with the base on its positive side beyond such a
+    /// wall?
+    bool has_beyond_wall(const std::array<Exact, 4>& plane) const;
+
     /// `unmet`: where objects are that were left out as unmet.
     void warn(const FormSites& sites, const char* unmet, std::vector<std::string>& warnings) const;
 
@@ -137,6 +145,19 @@ protected:
     void hide(std::uint32_t object, const char* how, Site by);
     void hide_beyond_wall(std::uint32_t object, std::uint32_t vessel) {
         hide(object, " beyond the wall of ", site(vessel));
+    }
+    /// Leaves out all balls, planes and cylinders that are beyond it.
+    template <class IsBeyond>
+    void drop_beyond_wall(std::uint32_t vessel, IsBeyond&& is_beyond_it) {
+        if (!is_kept(vessel)) return;
+        const auto look = [&](const auto& listed) {
+            for (std::size_t i = 0; i < listed.size(); ++i)
+                if (!is_left_out(listed.objects[i]) && is_beyond_it(listed.items[i]))
+                    hide_beyond_wall(listed.objects[i], vessel);
+        };
+        look(balls);
+        look(planes);
+        look(cylinders);
     }
     /// Leaves out the wider one of two vessels, or the later one of equal ones, given whether the first one
     /// holds the other one and is held by it.

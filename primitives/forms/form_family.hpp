@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "../../core/curves/circular_form.hpp"
@@ -27,13 +28,19 @@ struct FormFamily : CircularFamily {
     double axial_unit = 1;                ///< of y over a cylinder; a power of two
     AxialTips tips;                       ///< over a cylinder, in that unit
 
-    /// Over a cylinder: where in the chart forms are nowhere lower than all others (RingTie, PassingTie), y
-    /// in that unit.
+    /// Where in the chart forms are nowhere lower than all others, those that are there as low included: over
+    /// a cylinder, y in that unit, about ties (RingTie, PassingTie); elsewhere sides of the box that are so
+    /// everywhere.
     struct Hidden {
         FormId form;
         std::array<double, 2> x, y;
     };
     std::vector<Hidden> hidden;
+    /// The form is so everywhere.
+    void hide(FormId f) {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        hidden.push_back({f, {-infinity, infinity}, {-infinity, infinity}});
+    }
     /// Is the form known to be so all over a rectangle?
     bool is_hidden(FormId f, const Interval& x, const Interval& y) const {
         return std::ranges::any_of(hidden, [&](const Hidden& h) {
