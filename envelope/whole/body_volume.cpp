@@ -315,56 +315,108 @@ private:
     Part measured(Part part) const {
         drop_the_far(part);
         if (part.near.empty()) return part;
-        part.volume = integral<6, 6>(part);
-        part.error = std::abs(part.volume - integral<4, 4>(part));
+        const Integral whole = integral<6, 6>(part);
+        part.volume = whole.volume;
+        part.error = std::abs(part.volume - integral<4, 4>(part).volume);
         // The way of which fewer points change more; where they tell nothing the longer one.
-        const double by_v = std::abs(part.volume - integral<4, 6>(part)),
-                     by_w = std::abs(part.volume - integral<6, 4>(part));
+        const double by_v = std::abs(part.volume - integral<4, 6>(part).volume),
+                     by_w = std::abs(part.volume - integral<6, 4>(part).volume);
         part.is_along = by_v != by_w ? by_v > by_w : along(part) > around(part);
-        // Beside the points of the rule an object may overlap a margin of a 29th of the part, half as deep.
+        // Beside the points of the rule an object may overlap a margin of a 29th of the part, half as deep,
+        // or another one than elsewhere may be what ends the rays.
         constexpr double margin = 0.034;
-        if (part.volume == 0)
-            part.error = 0.5 * margin * margin * reach(part) * std::pow(radius_, power_ - 1) *
-                         (part.v[1] - part.v[0]) * (part.w[1] - part.w[0]);
+        if (part.volume == 0 || !whole.is_smooth || !is_smooth_to_corners(part, whole.first))
+            part.error += 0.5 * margin * margin * reach(part) * std::pow(radius_, power_ - 1) *
+                          (part.v[1] - part.v[0]) * (part.w[1] - part.w[0]);
         return part;
     }
+
+    // What a ray loses, and what it comes in through, what it leaves through and what is nearer: where all of
+    // these are the same, what rays lose changes smoothly.
+    struct Loss {
+        double volume = 0;
+        bool is_any = false;
+        std::array<int, 2> sides{-1, -1};  // axes of the box's sides: none, in its middle or on the surface
+        const Object* other = nullptr;     // none: nearer all along
+
+        bool is_alike(const Loss& o) const {
+            return is_any == o.is_any && sides == o.sides && other == o.other;
+        }
+    };
+    struct Integral {
+        double volume = 0;
+        Loss first;
+        bool is_smooth = true;  // as far as its points tell
+    };
     template <int n, int m>
-    double integral(const Part& part) const {
+    Integral integral(const Part& part) const {
         static constexpr quadrature::RuleOf<n> rule_v = quadrature::make_rule<n>();
         static constexpr quadrature::RuleOf<m> rule_w = quadrature::make_rule<m>();
         const double mv = 0.5 * (part.v[0] + part.v[1]), hv = 0.5 * (part.v[1] - part.v[0]),
                      mw = 0.5 * (part.w[0] + part.w[1]), hw = 0.5 * (part.w[1] - part.w[0]);
-        double sum = 0;
+        Integral sum;
+        bool is_first = true;
         for (int i = 0; i < n / 2; ++i)
             for (int j = 0; j < m / 2; ++j)
                 for (const double a : {-1.0, 1.0})
-                    for (const double b : {-1.0, 1.0})
-                        sum += rule_v.weight[i] * rule_w.weight[j] *
-                               lost(ray(mv + a * hv * rule_v.x[i], mw + b * hw * rule_w.x[j]), part.near);
-        return sum * hv * hw;
+                    for (const double b : {-1.0, 1.0}) {
+                        const Loss loss =
+                            lost(ray(mv + a * hv * rule_v.x[i], mw + b * hw * rule_w.x[j]), part.near);
+                        sum.volume += rule_v.weight[i] * rule_w.weight[j] * loss.volume;
+                        if (is_first) sum.first = loss;
+                        sum.is_smooth = sum.is_smooth && loss.is_alike(sum.first);
+                        is_first = false;
+                    }
+        sum.volume *= hv * hw;
+        return sum;
+    }
+    bool is_smooth_to_corners(const Part& part, const Loss& inside) const {
+        for (const double v : part.v)
+            for (const double w : part.w)
+                if (!lost(ray(v, w), part.near).is_alike(inside)) return false;
+        return true;
     }
 
-    // What a ray loses: between where it comes into the box and where it leaves it or the body, what is
-    // beyond the nearest other object.
-    double lost(const BodyRay& ray, const std::vector<const Object*>& near) const {
+    // Between where a ray comes into the box and where it leaves it or the body, what is beyond the nearest
+    // other object is lost.
+    Loss lost(const BodyRay& ray, const std::vector<const Object*>& near) const {
+        Loss loss;
         double in = 0, out = radius_;
         for (int k = 0; k < 3; ++k) {
             const double d = ray.direction[k], low = box_.min[k] - ray.from[k],
                          high = box_.max[k] - ray.from[k];
             if (d == 0) {
-                if (low > 0 || high < 0) return 0;
+                if (low > 0 || high < 0) return {};
                 continue;
             }
-            in = std::max(in, std::min(low / d, high / d));
-            out = std::min(out, std::max(low / d, high / d));
+            const double from = std::min(low / d, high / d), to = std::max(low / d, high / d);
+            if (from > in) {
+                in = from;
+                loss.sides[0] = k;
+            }
+            if (to < out) {
+                out = to;
+                loss.sides[1] = k;
+            }
         }
-        if (!(in < out)) return 0;
+        if (!(in < out)) return {};
         double end = out;
-        for (const Object* o : near) end = std::min(end, nearest_along(*o, ray, radius_));
-        if (!(end < out)) return 0;
-        end = std::max(end, in);
-        return power_ == 2 ? 0.5 * (out - end) * (out + end)
-                           : (out - end) * (out * out + out * end + end * end) / 3;
+        for (const Object* o : near)
+            if (const double t = nearest_along(*o, ray, radius_); t < end) {
+                end = t;
+                loss.other = o;
+            }
+        if (loss.other == nullptr) return {};
+        loss.is_any = true;
+        if (end > in) {
+            loss.sides[0] = -1;
+        } else {
+            end = in;
+            loss.other = nullptr;
+        }
+        loss.volume = power_ == 2 ? 0.5 * (out - end) * (out + end)
+                                  : (out - end) * (out * out + out * end + end * end) / 3;
+        return loss;
     }
 
     const Box& box_;

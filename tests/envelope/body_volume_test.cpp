@@ -235,6 +235,27 @@ TEST_CASE("bodies: tubes that are in each other, or cut each other so deep that 
     CHECK(std::abs(inner - pi * r * r * edge) <= doubt_of_inner);
 }
 
+TEST_CASE("bodies: balls that reach beyond the wall of a hollow sphere, in any direction") {
+    // Where |x| + |x - c| < R + r the ball is nearer: from c, with the angle's cosine to the way out, up to
+    // t = ((R + r)^2 - d^2) / (2 (R + r + d cos)).
+    const double R = 3.5, r = 0.75;
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(-1, 1), distance(R - 0.6, R + 0.5);
+    for (int round = 0; round < long_rounds(8); ++round) {
+        const double d = distance(rng), A = 0.5 * ((R + r) * (R + r) - d * d), B = R + r,
+                     c = std::clamp((A / r - B) / d, -1.0, 1.0);
+        const double expected =
+            2 * pi *
+            (r * r * r / 3 * (c + 1) +
+             A * A * A / (6 * d) * (1 / ((B + d * c) * (B + d * c)) - 1 / ((B + d) * (B + d))));
+        const Vec3 middle(4, 4, 4), way = Vec3(unit(rng), unit(rng), unit(rng)).normalized();
+        CAPTURE(d);
+        const VoronoiDiagram diagram =
+            with_bodies(scene_in(8, {HollowSphere{middle, R}, Sphere{middle + d * way, r}}));
+        check_body(diagram.cells[1], expected, 1e-5);
+    }
+}
+
 TEST_CASE("bodies: balls and tubes that overlap the wall of a hollow cone") {
     std::mt19937_64 rng(test_seed());
     const HollowCone wall{{2, 2, 0.5}, {0, 0, 1}, 3, 5};
