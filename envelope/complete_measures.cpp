@@ -19,6 +19,7 @@
 #include "axis_parts.hpp"
 #include "base_diagram.hpp"
 #include "lift/lift.hpp"
+#include "object_distance.hpp"
 #include "voronoi_cell.hpp"
 
 namespace vcell {
@@ -29,10 +30,31 @@ namespace {
 // is left out counts in full.
 constexpr double least_room = AxisParts::least_rooms.front();
 
+// How much steeper the area of a face beside the plane with this normal is than its width across the plane:
+// by the angle between the two in a place of both, less 1. Where they all but touch, as much as about a
+// circle of the box's size next to its tangent.
+double steepness(const Object& base, const Object& object, const Vec3& normal, const Vec3& place,
+                 double diagonal) {
+    constexpr double step = 0x1p-20, most = 0x1p16;
+    Vec3 gradient;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3 off = step * diagonal * Vec3::Unit(k), before = place - off, after = place + off;
+        gradient[k] = (distance_from(base, after) - distance_from(object, after)) -
+                      (distance_from(base, before) - distance_from(object, before));
+    }
+    const double sine = gradient.normalized().cross(normal).norm();
+    return std::min(most, 1 / sine) - 1;
+}
+
 // Measures added and taken away.
 class Sum {
 public:
+    Sum() = default;
+    /// Slabs along sides of the box may be left out.
+    explicit Sum(const Scene& scene) : scene_(&scene) {}
+
     void add(const Cell& cell, int sign) {
+        add_slanting(cell);
         if (!std::isfinite(cell.measures.volume + cell.measures.volume_error + cell.measures.area +
                            cell.measures.area_error))
             throw UndecidedError("the cell's measures: no bound on their error");
@@ -46,12 +68,12 @@ public:
         is_estimated_ = is_estimated_ || cell.measures.is_estimated;
         assumed_ += cell.report.decisions.assumed;
     }
-    // Slabs of the box that no term contains. What faces they hold is not known; those that do not run along
-    // a slab have about its circumference times its width.
+    // Slabs of the box that no term contains. What faces they hold is not known: those that do not run along
+    // a slab have about its circumference times its width, and more where they slant.
     void leave_out(double width, double diagonal) {
         if (width == 0) return;
         volume_.error += width * 0.25 * std::numbers::pi * diagonal * diagonal;
-        const double area = width * std::numbers::pi * diagonal;
+        const double area = width * (std::numbers::pi * diagonal + slanting_);
         area_.error += area;
         exposed_.error += area;
         for (auto& [object, share] : shares_) share.error += area;
@@ -76,6 +98,26 @@ public:
     }
 
 private:
+    // The length of edges on sides of the box, times by how much faces there are steeper.
+    void add_slanting(const Cell& cell) {
+        if (scene_ == nullptr) return;
+        for (const CellEdge& e : cell.edges)
+            for (const int i : {0, 1}) {
+                const Site &object = e.sites[i], &side = e.sites[1 - i];
+                if (!object.is_object() || side.kind != Site::Kind::BoxSide) continue;
+                double most = 0;
+                constexpr int parts = 4;
+                for (int k = 0; k <= parts; ++k)
+                    most = std::max(
+                        most, steepness(scene_->base, scene_->objects[scene_->place(object.index)],
+                                        Vec3::Unit(side.index / 2),
+                                        e.curve.evaluate(std::lerp(e.curve.domain_begin(),
+                                                                   e.curve.domain_end(), 1.0 * k / parts)),
+                                        scene_->box.diagonal()));
+                if (e.length > 0) slanting_ += most * e.length;
+            }
+    }
+
     struct Term {
         double value = 0, error = 0, size = 0;
         std::size_t terms = 0;
@@ -94,6 +136,8 @@ private:
         if (site.is_object()) add(shares_[site.index], area, error);
     }
 
+    const Scene* scene_ = nullptr;
+    double slanting_ = 0;
     Term volume_, area_, exposed_;
     std::map<std::uint32_t, Term> shares_;
     bool is_estimated_ = false;
@@ -228,7 +272,7 @@ CompleteMeasures of_sphere(const DecidedScene& decided, const Sphere& base) {
         bound = center + sign * least;
         sides.moved += 2 * least;
     }
-    Sum sum;
+    Sum sum(scene);
     add_rooms(sum, sides, {base.center, base.center}, decided, [&](const Box& room) {
         Scene part = scene;
         part.box = room;
@@ -248,7 +292,8 @@ public:
           diagonal_(scene_.box.diagonal()),
           least_(least_room * diagonal_),
           frame_(cylinder_frame(scene_, base_)),
-          box_(scene_.box) {}
+          box_(scene_.box),
+          sum_(scene_) {}
 
     CompleteMeasures operator()() {
         const std::array<double, 2> range = AxisParts::range(box_, frame_);

@@ -176,6 +176,32 @@ TEST_CASE("complete measures: balls outside the box, across its sides and about 
     check_tiling({Sphere{{-1, 5, 5}, 0.5}, Cylinder{{5, 5, 5}, {1, 2, 3}, 1}, Sphere{{12, 12, 12}, 1}}, 1e-3);
 }
 
+TEST_CASE("complete measures: faces that slant towards a side of the box along which the axis runs") {
+    // Across the tubes the bisector is a branch of a hyperbola, x = 1 - a sqrt(1 + z^2 / b^2) with foci at 0
+    // and 2, a the half of what the radii differ by, up to where it meets the side x = 0.
+    const double length = 8;
+    for (const double a : {0.125, 0.25, 0.375}) {
+        const double square = 1 - a * a, top = square / a;
+        Scene scene;
+        scene.base = Cylinder{{0, 0, 0}, {0, 1, 0}, 0.5};
+        scene.objects = {Cylinder{{2, 0, 0}, {0, 1, 0}, 0.5 + 2 * a}};
+        scene.box = {{0, 0, -8}, {8, length, 8}};
+        constexpr int steps = 20000;
+        double arc = 0;
+        for (int i = 0; i < steps; ++i) {
+            const double z = top * (i + 0.5) / steps, slope = a * z / square / std::sqrt(1 + z * z / square);
+            arc += 2 * top / steps * std::sqrt(1 + slope * slope);
+        }
+        const CompleteMeasures m = complete_measures(scene);
+        CAPTURE(a);
+        CAPTURE(m.area - arc * length);
+        CHECK(std::abs(m.area - arc * length) <= m.area_error);
+        CHECK(m.area_error < 1e-5);
+        REQUIRE(m.neighbors.size() == 1);
+        CHECK(std::abs(m.neighbors[0].area - arc * length) <= m.neighbors[0].area_error);
+    }
+}
+
 TEST_CASE("complete measures: they are the cell's where no ray comes from outside the box") {
     const std::vector<Object> objects{Sphere{{3, 3, 3}, 1}, Sphere{{7, 6, 4}, 0.5},
                                       Cylinder{{2, 8, 0}, {0, 0, 1}, 0.5}, Plane{{0, 0, 0.5}, {0, 0, 1}}};
