@@ -40,6 +40,10 @@ std::string names_of(const std::vector<NetworkSite>& sites) {
 
 }  // namespace
 
+std::string to_string(const NetworkSite& site) {
+    return site.site.is_object() ? to_string(ObjectImage{site.site.index, site.image}) : to_string(site.site);
+}
+
 NetworkSite site_in_diagram(const Cell& cell, const Site& site) {
     if (!site.is_object() || cell.scene.images.empty()) return {site, here};
     const ObjectImage& object = cell.scene.images[site.index];

@@ -30,6 +30,8 @@ struct NetworkSite {
 
     friend auto operator<=>(const NetworkSite&, const NetworkSite&) = default;
 };
+/// "3(0,-1,0)", "3" where it is not moved, "box:-x".
+std::string to_string(const NetworkSite& site);
 /// A site of a diagram's cell (DiagramOptions::visit) as the diagram names it, its image as seen from the
 /// cell's own object.
 NetworkSite site_in_diagram(const Cell& cell, const Site& site);

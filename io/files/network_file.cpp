@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -21,8 +23,7 @@ std::string sites_text(const std::vector<NetworkSite>& sites) {
     std::string text;
     for (const NetworkSite& s : sites) {
         if (!text.empty()) text += ' ';
-        text += to_string(s.site);
-        if (s.image != std::array<std::int16_t, 3>{0, 0, 0}) text += '(' + image_text(s.image) + ')';
+        text += to_string(s);
     }
     return text;
 }
@@ -61,6 +62,32 @@ void write_network(std::ostream& out, const VoidNetwork& network) {
             out << "\t-\t-";
         fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\n", image_text(e.image), sites_text(e.sites), e.bottleneck,
                    e.bottleneck_error, number_or_dash(e.length), number_or_dash(e.length_error));
+    }
+}
+
+void write_openpnm(std::ostream& out, const VoidNetwork& network) {
+    out << "pore.coords[0],pore.coords[1],pore.coords[2],pore.diameter,pore.error,throat.conns[0],throat.conns[1],"
+           "throat.image[0],throat.image[1],throat.image[2],throat.diameter,throat.error,throat.length\n";
+    std::vector<const NetworkEdge*> throats;
+    for (const NetworkEdge& e : network.edges)
+        if (e.vertices) throats.push_back(&e);
+    for (std::size_t i = 0; i < std::max(network.vertices.size(), throats.size()); ++i) {
+        if (i < network.vertices.size()) {
+            const NetworkVertex& v = network.vertices[i];
+            fmt::print(out, "{},{},{},{},{},", v.point.x(), v.point.y(), v.point.z(), 2 * v.clearance,
+                       2 * v.error);
+        } else {
+            out << ",,,,,";
+        }
+        if (i < throats.size()) {
+            const NetworkEdge& e = *throats[i];
+            fmt::print(out, "{},{},{},{},{},", (*e.vertices)[0], (*e.vertices)[1], image_text(e.image),
+                       2 * e.bottleneck, 2 * e.bottleneck_error);
+            if (std::isfinite(e.length)) fmt::print(out, "{}", e.length);
+        } else {
+            out << ",,,,,,,";
+        }
+        out << '\n';
     }
 }
 
