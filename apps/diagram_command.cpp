@@ -3,24 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <ostream>
-#include <utility>
+#include <stdexcept>
+#include <string_view>
 
 #include "../io/files/diagram_file.hpp"
 #include "../io/files/files.hpp"
 #include "../io/files/network_file.hpp"
-#include "../io/files/stored_diagram.hpp"
 #include "../io/files/text.hpp"
-#include "../io/pictures/conforming_meshes.hpp"
-#include "../io/pictures/diagram_pictures.hpp"
-#include "../io/pictures/mesh_formats.hpp"
-#include "../io/pictures/page.hpp"
+#include "../io/pictures/cell_output.hpp"
+#include "../io/pictures/diagram_output.hpp"
 #include "../io/solids/moments.hpp"
 #include "progress.hpp"
 
@@ -40,57 +35,24 @@ std::string part_complaint(const std::string& text) {
     return chord && chord->is_relative ? "" : fmt::format("must be like 0.2%, is {}", printable(text));
 }
 
-// One file of -o.
-struct DiagramPicture {
-    OutputFile* file = nullptr;
-    std::optional<DiagramWriter> text;  // JSON, no picture
-    OutputFile* materials = nullptr;
-    std::string material_file;
-    std::optional<std::pair<int, double>> plane;  // of a cut
-    std::string format;
-    std::optional<DiagramObj> obj;
-    std::optional<LabelledMesh> mesh;
-    CellColours colours;  // of the mesh
-    std::optional<DiagramCut> cut;
-    std::optional<DiagramPage> page;
-
-    void begin(const DiagramScene& scene) {
-        if (format == "json")
-            text.emplace(file->stream(), scene);
-        else if (plane)
-            cut.emplace(scene, plane->first, plane->second);
-        else if (format == "obj")
-            obj.emplace(file->stream(), material_file);
-        else if (format == "html")
-            page.emplace(file->stream(), scene);
-        else
-            mesh.emplace();
+// Wrong usage is what the files' library takes for an invalid argument.
+std::unique_ptr<DiagramFiles> open_files(const std::vector<std::string>& paths, const std::string& chord,
+                                         const std::string& cut) {
+    DiagramFileOptions options;
+    options.chord = to_chord(chord)->value;
+    if (!cut.empty())
+        options.cut = {cut[0] - 'x', *to_double(std::string_view(cut).substr(cut[2] == '+' ? 3 : 2))};
+    const auto is_picture = [](const std::string& path) { return format_of(path) == "svg"; };
+    if (options.cut && std::ranges::none_of(paths, is_picture))
+        throw UsageError("--cut: is the plane of an .svg, and no --output is one");
+    if (const auto picture = std::ranges::find_if(paths, is_picture); !options.cut && picture != paths.end())
+        throw UsageError(fmt::format("{}: a picture takes a plane, --cut z=VALUE", *picture));
+    try {
+        return std::make_unique<DiagramFiles>(paths, options);
+    } catch (const std::invalid_argument& e) {
+        throw UsageError(e.what());
     }
-    void add(std::uint32_t object, const Cell& cell, const CellMesh& of_cell) {
-        if (cut) cut->add(object, cell, of_cell);
-        if (obj) obj->add(object, cell, of_cell);
-        if (page) page->add(object, cell, of_cell);
-        if (mesh) mesh->add(static_cast<std::int32_t>(object), cell, of_cell, colours.add(object, cell));
-    }
-    // The cells' own numbers: where bodies are known, what they leave.
-    void set_numbers(const VoronoiDiagram& diagram) {
-        if (!mesh) return;
-        LabelledMesh::Numbers volume{"volume", {}}, porosity{"porosity", {}};
-        for (const LabelledMesh::Part& part : mesh->parts) {
-            const DiagramCell& cell = diagram.cells[static_cast<std::size_t>(part.cell)];
-            volume.of_parts.push_back(cell.volume);
-            porosity.of_parts.push_back(1 - cell.body_volume / cell.volume);
-        }
-        mesh->numbers = {std::move(volume), std::move(porosity)};
-    }
-    void end(const VoronoiDiagram& diagram) {
-        if (text) text->finish(diagram);
-        if (cut) cut->write(file->stream());
-        if (page) page->finish();
-        if (mesh) write_mesh(file->stream(), format, *mesh);
-        if (materials != nullptr) DiagramObj::write_mtl(materials->stream());
-    }
-};
+}
 
 }  // namespace
 
@@ -115,8 +77,8 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_
         .add_option(
             "-o,--output", outputs_,
-            "mesh of all cells, .obj (with .mtl), .stl, .ply, .vtu, .glb or .3mf, a page to look at them, .html, or a "
-            "cut through them, .svg, or the cells themselves, .json; may be repeated")
+            "mesh of all cells, .obj (with .mtl), .stl, .ply, .vtu, .glb or .3mf, a page to look at them, .html, a cut "
+            "through them, .svg, or the cells themselves, .step, .itd, .bezier.vtu or .json; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
     command_
@@ -132,7 +94,8 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_
         .add_option(
             "--network", network_,
-            "tables of the void network of balls: what spheres fit in and get through, vertices, edges")
+            "tables of the void network of balls: what spheres fit in and get through, vertices, edges; of FILE.csv as "
+            "OpenPNM reads it")
         ->type_name("FILE");
     scene_.add_to(command_);
     threads_.add_to(command_);
@@ -147,43 +110,17 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         "  echo 0 0 0 1.1 | vcell diagram - --box 0 0 0 2 2 2 --periodic xyz --bodies -o cell.vtu");
 }
 
-static DiagramPicture open_picture(const std::string& name, const std::string& plane,
-                                   const std::function<OutputFile*(const std::string&)>& open) {
-    namespace fs = std::filesystem;
-    DiagramPicture picture;
-    picture.file = open(name);
-    std::string ending = fs::path(name).extension().string();
-    std::ranges::transform(ending, ending.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    picture.format = ending.empty() ? ending : ending.substr(1);
-    if (ending == ".obj") {
-        const fs::path beside = fs::path(name).replace_extension(".mtl");
-        picture.material_file = beside.filename().string();
-        picture.materials = open(beside.string());
-    } else if (ending == ".svg") {
-        if (plane.empty()) throw UsageError(fmt::format("{}: a picture takes a plane, --cut z=VALUE", name));
-        picture.plane = {plane[0] - 'x', *to_double(plane.substr(plane[2] == '+' ? 3 : 2))};
-    } else if (ending == ".html") {
-        require_pages(name);
-    } else if (ending != ".json" && !is_mesh_format(picture.format)) {
-        throw UsageError(fmt::format(
-            "{}: an output must end in .json, .obj, .stl, .ply, .vtu, .glb, .3mf, .html or .svg", name));
-    }
-    return picture;
-}
-
 Status DiagramCommand::run() const {
+    const std::unique_ptr<DiagramFiles> outputs = open_files(outputs_, chord_, cut_);
     std::vector<std::unique_ptr<OutputFile>> files;
     const auto open = [&](const std::string& name) -> OutputFile* {
         if (name.empty()) return nullptr;
-        for (const auto& other : files)
-            if (other->target() == name) throw UsageError(fmt::format("{}: given twice", name));
+        std::vector<std::string> targets = outputs->targets();
+        for (const auto& other : files) targets.push_back(other->target());
+        if (std::ranges::find(targets, name) != targets.end())
+            throw UsageError(fmt::format("{}: given twice", name));
         return files.emplace_back(std::make_unique<OutputFile>(name)).get();
     };
-    std::vector<DiagramPicture> pictures;
-    for (const std::string& name : outputs_) pictures.push_back(open_picture(name, cut_, open));
-    if (!cut_.empty() && std::ranges::none_of(pictures, [](const auto& p) { return p.format == "svg"; }))
-        throw UsageError("--cut: is the plane of an .svg, and no --output is one");
     OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_),
                *voids = open(network_), *moments = open(moments_);
     const bool is_summary_shown =
@@ -191,58 +128,46 @@ Status DiagramCommand::run() const {
 
     const DiagramScene scene = scene_.read();
     if (moments) write_moment_header(moments->stream());
-    scene_.about([&] {
-        for (DiagramPicture& picture : pictures) picture.begin(scene);
-    });
-    const bool has_meshes = std::ranges::any_of(pictures, [](const DiagramPicture& p) { return !p.text; });
-    std::vector<bool> is_drawn(scene.objects.size(), false);
     VoronoiDiagram diagram;
     std::optional<VoidNetworkBuilder> network;
     if (voids) scene_.about([&] { network.emplace(scene); });
-    std::optional<ConformingMeshes> meshes;
-    if (has_meshes) scene_.about([&] { meshes.emplace(scene, to_chord(chord_)->value); });
     {
         ProgressBar bar;
         DiagramOptions options;
         options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
-        options.complete = !pictures.empty();
         options.bodies = bodies_;
-        if (network || moments || !pictures.empty())
+        if (network || moments)
             options.visit = [&](std::uint32_t object, const Cell& cell) {
-                is_drawn[object] = true;
-                if (std::holds_alternative<Sphere>(scene.objects[object])) {
-                    if (network) network->add(object, cell);
-                    if (moments) write_moment_row(moments->stream(), scene, object, moments_of(cell));
-                }
-                for (DiagramPicture& picture : pictures)
-                    if (picture.text) picture.text->add(object, cell);
-                if (!has_meshes) return;
-                const CellMesh mesh = meshes->add(object, cell);
-                for (DiagramPicture& picture : pictures)
-                    if (!picture.text) picture.add(object, cell, mesh);
+                if (!std::holds_alternative<Sphere>(scene.objects[object])) return;
+                if (network) network->add(object, cell);
+                if (moments) write_moment_row(moments->stream(), scene, object, moments_of(cell));
             };
-        diagram = scene_.about([&] { return voronoi_diagram(scene, options); });
+        diagram = scene_.about([&] { return outputs->compute(scene, options); });
     }
     const ContactTable table = contacts(diagram);
-    for (DiagramPicture& picture : pictures) {
-        if (bodies_) picture.set_numbers(diagram);
-        picture.end(diagram);
-    }
     if (cells) write_cell_table(cells->stream(), scene, diagram);
     if (pairs) write_contact_table(pairs->stream(), scene, table);
     if (groups) write_group_table(groups->stream(), scene, diagram, table);
     // Where there is no network, the other tables are written all the same.
     bool has_network = true;
     if (network) try {
-            write_network(voids->stream(), scene_.about([&] { return network->finish(diagram); }));
+            const VoidNetwork found = scene_.about([&] { return network->finish(diagram); });
+            if (format_of(network_) == "csv")
+                write_openpnm(voids->stream(), found);
+            else
+                write_network(voids->stream(), found);
         } catch (const UndecidedError& e) {
             warn(e.what());
             has_network = false;
             std::erase_if(files, [&](const auto& file) { return file.get() == voids; });
         }
     for (const auto& file : files) file->close();
+    outputs->commit();
     for (const auto& file : files) file->commit();
+
+    for (const std::uint32_t i : outputs->without_faces())
+        warn(fmt::format("no cell in the files of object {}: it is measured, but has no faces", i));
 
     // Fibres that cross at random leave every other one without a cell.
     constexpr std::size_t most_named = 10;
@@ -254,9 +179,6 @@ Status DiagramCommand::run() const {
         if (cell.state == DiagramCell::State::Computed) ++computed;
         if (cell.state == DiagramCell::State::Empty) ++empty;
         if (cell.state == DiagramCell::State::Wall) ++walls;
-        if (!pictures.empty() && cell.state == DiagramCell::State::Computed && !is_drawn[i])
-            warn(fmt::format("{} object {}: its cell is measured, but has no faces",
-                             has_meshes ? "no picture of" : "no cell in the file of", i));
         if (cell.state != DiagramCell::State::Undecided && cell.state != DiagramCell::State::Refused)
             continue;
         if (cell.state == DiagramCell::State::Refused) ++refused;

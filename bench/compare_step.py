@@ -1,10 +1,11 @@
 """Does another program find the solids that vcell writes closed, valid as they stand, and of our volume?
 
-compare_step.py VCELL JUDGE [--complete] [SCENE ...]   one line a scene (default: all of examples/scenes)
+compare_step.py VCELL JUDGE [--complete | --diagram] [SCENE ...]   one line a scene (default: all of examples/scenes)
 
 VCELL is the program, JUDGE one that is called with FILE.step --expect-volume V and prints a JSON object: `ok`, a list of
 `problems`, and `as_written`, the shape without any repair, with `valid`, `shell_closed`, `volume`, the `count` of solids and
-faces and the largest `tolerance`. V is the volume that `vcell measure` states. With --complete cells are complete.
+faces and the largest `tolerance`. V is the volume that `vcell measure` states. With --complete cells are complete, with
+--diagram those of all objects are in one file, and V is the sum that `vcell diagram` states.
 Ends with 1 if the judge objects to a scene.
 """
 import csv
@@ -16,17 +17,19 @@ import tempfile
 
 
 def judged(vcell, judge, options, scene, step):
-    computed = subprocess.run([vcell, "compute", *options, scene, "-o", step], capture_output=True, text=True)
+    verb, *options = ["diagram"] if "--diagram" in options else ["compute", *options]
+    computed = subprocess.run([vcell, verb, *options, scene, "-o", step], capture_output=True, text=True)
     if computed.returncode != 0:
         return None, computed.stderr.strip()
-    table = subprocess.run([vcell, "measure", *options, scene], capture_output=True, text=True, check=True).stdout
+    table = computed.stdout if verb == "diagram" else subprocess.run(
+        [vcell, "measure", *options, scene], capture_output=True, text=True, check=True).stdout
     volume = next(csv.DictReader(table.splitlines(), delimiter="\t"))["volume"]
     said = subprocess.run([judge, step, "--expect-volume", volume], capture_output=True, text=True).stdout
     return float(volume), json.loads(said)
 
 
 def main():
-    options = [a for a in sys.argv[1:] if a == "--complete"]
+    options = [a for a in sys.argv[1:] if a in ("--complete", "--diagram")]
     vcell, judge, *scenes = [a for a in sys.argv[1:] if a not in options]
     folder = pathlib.Path(__file__).resolve().parent.parent / "examples" / "scenes"
     all_good = True

@@ -14,6 +14,7 @@
 #include "pictures/bezier_vtu.hpp"
 #include "pictures/cell_output.hpp"
 #include "pictures/conforming_meshes.hpp"
+#include "pictures/diagram_output.hpp"
 #include "pictures/diagram_pictures.hpp"
 #include "pictures/mesh.hpp"
 #include "pictures/mesh_formats.hpp"

@@ -4,10 +4,12 @@
 #include <fmt/ostream.h>
 #include <fmt/ranges.h>
 
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
 
+#include "../../envelope/whole/void_network.hpp"
 #include "../pictures/site_style.hpp"
 
 namespace vcell {
@@ -54,16 +56,22 @@ void write_surface(std::ostream& out, const RationalPatch& patch) {
 
 }  // namespace
 
-void write_itd(std::ostream& out, const Cell& cell) {
+namespace {
+
+// All of the cell has that colour, or without one each face that of its site.
+void write_objects(std::ostream& out, const Cell& cell, std::string_view prefix,
+                   std::optional<std::string_view> of_all) {
     const auto colours = object_colours(cell);
     for (std::size_t f = 0; f < cell.faces.size(); ++f) {
         const CellFace& face = cell.faces[f];
-        const std::string_view colour =
-            face.site.is_object() ? palette()[colours.at(face.site.index)] : std::string_view("#dddddd");
+        const std::string_view colour = of_all                  ? *of_all
+                                        : face.site.is_object() ? palette()[colours.at(face.site.index)]
+                                                                : std::string_view("#dddddd");
         for (std::size_t p = 0; p < face.patches.size(); ++p) {
             const TrimmedPatch& patch = face.patches[p];
-            fmt::print(out, "[OBJECT [RGB \"{}\"] [neighbor \"{}\"] FACE{}_{}\n[TRIMSRF\n",
-                       fmt::join(channels(colour), ","), to_string(face.site), f, p);
+            fmt::print(out, "[OBJECT [RGB \"{}\"] [neighbor \"{}\"] {}FACE{}_{}\n[TRIMSRF\n",
+                       fmt::join(channels(colour), ","), to_string(site_in_diagram(cell, face.site)), prefix,
+                       f, p);
             write_surface(out, patch.surface);
             for (const auto& loop : patch.loops) {
                 out << "[TRIMCRV\n";
@@ -78,15 +86,26 @@ void write_itd(std::ostream& out, const Cell& cell) {
         }
     }
     for (std::size_t e = 0; e < cell.edges.size(); ++e) {
-        fmt::print(out, "[OBJECT EDGE{}\n", e);
+        fmt::print(out, "[OBJECT {}EDGE{}\n", prefix, e);
         write_curve(out, cell.edges[e].curve);
         out << "\n]\n";
     }
     for (std::size_t v = 0; v < cell.vertices.size(); ++v) {
         const CellVertex& vertex = cell.vertices[v];
-        fmt::print(out, "[OBJECT [clearance {}] VERTEX{} [POINT {} {} {}]]\n", vertex.radius, v,
+        fmt::print(out, "[OBJECT [clearance {}] {}VERTEX{} [POINT {} {} {}]]\n", vertex.radius, prefix, v,
                    vertex.point.x(), vertex.point.y(), vertex.point.z());
     }
+}
+
+}  // namespace
+
+void write_itd(std::ostream& out, const Cell& cell) { write_objects(out, cell, "", std::nullopt); }
+
+void DiagramItd::add(std::uint32_t object, const Cell& cell) {
+    // A plane has a cell on each side.
+    const std::string prefix = fmt::format("CELL{}{}_", object, object == last_ ? "B" : "");
+    write_objects(out_, cell, prefix, palette()[colours_.add(object, cell)]);
+    last_ = object;
 }
 
 }  // namespace vcell

@@ -1,9 +1,12 @@
-/// IRIT's data files (.itd): the cell as trimmed surfaces, edge curves and vertices.
+/// IRIT's data files (.itd): a cell, or all of a diagram, as trimmed surfaces, edge curves and vertices.
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
+#include <optional>
 
 #include "../../envelope/cell.hpp"
+#include "../pictures/diagram_pictures.hpp"
 
 namespace vcell {
 
@@ -12,5 +15,20 @@ namespace vcell {
 /// parameters, outer loops first. Then the edges, "EDGE5", as curves in space, and the vertices, "VERTEX2",
 /// as points, with their `clearance`. World coordinates, all digits.
 void write_itd(std::ostream& out, const Cell& cell);
+
+/// The cells of a diagram, one after the other as they are computed (DiagramOptions::visit): objects as
+/// write_itd() has them, named "CELL7_FACE3_0" (of a plane's second cell "CELL7B_FACE3_0"), in one colour for
+/// each cell.
+class DiagramItd {
+public:
+    explicit DiagramItd(std::ostream& out) : out_(out) {}
+
+    void add(std::uint32_t object, const Cell& cell);
+
+private:
+    std::ostream& out_;
+    std::optional<std::uint32_t> last_;
+    CellColours colours_;
+};
 
 }  // namespace vcell

@@ -1,24 +1,29 @@
 #include "step_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "../../envelope/whole/void_network.hpp"
 #include "../pictures/mesh.hpp"
 #include "../pictures/site_style.hpp"
 #include "../solids/joined_parts.hpp"
 #include "../solids/solid.hpp"
 #include "../solids/spline_surface.hpp"
+#include "text.hpp"
 
 namespace vcell {
 
@@ -62,6 +67,30 @@ std::pair<std::vector<double>, std::vector<int>> counted(const Knots& all) {
     return result;
 }
 
+// A name as STEP has it in quotes (ISO 10303-21, 6.4.3): what is not ASCII in UCS, and U+FFFD for broken
+// UTF-8.
+std::string quoted(std::string_view name) {
+    std::string text = "'";
+    for (std::size_t i = 0; i < name.size();) {
+        const std::size_t length = utf8_length(name.substr(i));
+        const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(name[i + k]); };
+        if (length == 1 && byte(0) >= ' ' && byte(0) < 0x7F) {
+            text += name[i];
+            if (name[i] == '\'' || name[i] == '\\') text += name[i];
+        } else {
+            unsigned c = length == 0 ? 0xFFFD : length == 1 ? byte(0) : byte(0) & (0x7F >> length);
+            for (std::size_t k = 1; k < length; ++k) c = c << 6 | (byte(k) & 0x3F);
+            text += c > 0xFFFF ? fmt::format("\\X4\\{:08X}\\X0\\", c) : fmt::format("\\X2\\{:04X}\\X0\\", c);
+        }
+        i += std::max<std::size_t>(length, 1);
+    }
+    return text + "'";
+}
+
+}  // namespace
+
+namespace step {
+
 // A prefix of the metre, and its millimetres.
 struct Unit {
     std::string_view prefix;
@@ -69,59 +98,28 @@ struct Unit {
 };
 
 // "m" has no prefix, and what is not known is taken for mm.
-Unit unit_of(const Cell& cell) {
+static Unit unit_of(std::string_view units) {
     constexpr Unit millimetre{".MILLI.", 1}, micrometre{".MICRO.", 1e-3};
     constexpr std::array<std::pair<std::string_view, Unit>, 5> known{{{"m", {"$", 1e3}},
                                                                       {"cm", {".CENTI.", 10}},
                                                                       {"um", micrometre},
                                                                       {"\u00b5m", micrometre},
                                                                       {"nm", {".NANO.", 1e-6}}}};
-    const auto unit = std::ranges::find(known, cell.scene.units, [](const auto& k) { return k.first; });
+    const auto unit = std::ranges::find(known, units, [](const auto& k) { return k.first; });
     return unit == known.end() ? millimetre : unit->second;
 }
 
-class StepFile {
+// The lines of a file, numbered as they are written.
+class Lines {
 public:
-    explicit StepFile(const Cell& cell) : joined_(joined_parts(cell)), cell_(joined_.cell) {}
-
-    void write(std::ostream& out) {
-        for (const Vec3& v : solid_.vertices) vertices_.push_back(add("VERTEX_POINT('',#{})", point(v)));
-        for (const Solid::Face& f : solid_.faces)
-            surfaces_.push_back(f.is_flat ? plane(f) : surface(f.surface));
-        add_edges();
-        std::vector<int> solids;
-        for (const std::vector<std::uint32_t>& part : solid_.parts) {
-            std::vector<int> faces;
-            for (const std::uint32_t f : part) faces.push_back(face(f));
-            const int shell = add("CLOSED_SHELL('',{})", references(faces));
-            solids.push_back(add("MANIFOLD_SOLID_BREP('cell',#{})", shell));
-        }
-        add_product(solids);
-        out << "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Voronoi cell'),'2;1');\n"
-               "FILE_NAME('cell','',(''),(''),'vcell','vcell','');\n"
-               "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n";
-        for (std::size_t i = 0; i < lines_.size(); ++i) out << '#' << i + 1 << '=' << lines_[i] << ";\n";
-        out << "ENDSEC;\nEND-ISO-10303-21;\n";
-    }
-
-private:
-    // Of the volume under a span, by the rule of few points that another program may take.
-    double accuracy() const {
-        constexpr double part = 1e-9;
-        const double size = cell_diagonal(cell_);
-        return part * (std::isnan(cell_.measures.volume) ? size * size * size / 100 : cell_.measures.volume);
-    }
-
-    // What no reader tells from a point, but for cells that are hardly larger themselves.
-    double shortest() const {
-        constexpr double of_cell = 1e-6;
-        return std::min(least_uncertainty_, of_cell * cell_diagonal(cell_));
-    }
+    explicit Lines(std::ostream& out) : out_(out) {}
 
     template <class... Args>
     int add(fmt::format_string<Args...> format, Args&&... args) {
-        lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
-        return static_cast<int>(lines_.size());
+        fmt::print(out_, "#{}=", ++last_);
+        fmt::print(out_, format, std::forward<Args>(args)...);
+        out_ << ";\n";
+        return last_;
     }
 
     template <class Point>
@@ -145,8 +143,8 @@ private:
             c.degree, references(poles), fmt::join(times, ","), reals(knots), reals(weights));
     }
 
-    int surface(const RationalPatch& patch) {
-        const SplineSurface s = with_knots(patch, accuracy_);
+    int surface(const RationalPatch& patch, double accuracy) {
+        const SplineSurface s = with_knots(patch, accuracy);
         std::vector<std::string> poles, weights;
         for (const auto& along_v : s.points) {
             std::vector<int> row;
@@ -176,109 +174,214 @@ private:
                                         direction(x.cross(y)), direction(x)));
     }
 
-    void add_edges() {
-        std::vector<std::vector<int>> in_parameters(solid_.edges.size());
-        for (std::size_t f = 0; f < solid_.faces.size(); ++f)
-            for (const auto& loop : solid_.faces[f].loops)
-                for (const Solid::Use& use : loop) {
-                    const int c = curve(use.curve);
-                    const int context =
-                        add("(GEOMETRIC_REPRESENTATION_CONTEXT(2) PARAMETRIC_REPRESENTATION_CONTEXT() "
-                            "REPRESENTATION_CONTEXT('2D SPACE',''))");
-                    const int rep = add("DEFINITIONAL_REPRESENTATION('',(#{}),#{})", c, context);
-                    in_parameters[use.edge].push_back(add("PCURVE('',#{},#{})", surfaces_[f], rep));
-                }
-        for (std::size_t e = 0; e < solid_.edges.size(); ++e) {
-            const auto& [ends, in_space] = solid_.edges[e];
-            const int on_surfaces =
-                add("SURFACE_CURVE('',#{},{},.CURVE_3D.)", curve(in_space), references(in_parameters[e]));
-            edges_.push_back(
-                add("EDGE_CURVE('',#{},#{},#{},.T.)", vertices_[ends[0]], vertices_[ends[1]], on_surfaces));
-        }
-    }
+    int direction(const Vec3& d) { return add("DIRECTION('',{})", reals(d)); }
 
-    // Counter-clockwise seen from outside, where the surface's normal points.
-    int face(std::size_t f) {
-        const CellFace& of = shell_.faces[solid_.faces[f].of];
-        std::vector<int> bounds;
-        for (const auto& loop : solid_.faces[f].loops) {
-            std::vector<int> sides;
-            for (const Solid::Use& use : loop)
-                sides.push_back(add("ORIENTED_EDGE('',*,*,#{},{})", edges_[use.edge], flag(!use.reversed)));
-            const int edge_loop = add("EDGE_LOOP('',{})", references(sides));
-            bounds.push_back(
-                add("{}('',#{},.T.)", bounds.empty() ? "FACE_OUTER_BOUND" : "FACE_BOUND", edge_loop));
-        }
-        const int face =
-            add("ADVANCED_FACE('{}',{},#{},.T.)", to_string(of.site), references(bounds), surfaces_[f]);
-        colour(face,
-               of.site.is_object() ? palette()[colours_.at(of.site.index)] : std::string_view("#dddddd"));
-        return face;
-    }
-
-    void colour(int face, std::string_view colour) {
+    // A solid's or a face's.
+    int style(int of, std::string_view colour) {
         const std::array<int, 3> rgb = channels(colour);
         const int c =
             add("COLOUR_RGB('',{},{},{})", real(rgb[0] / 255.0), real(rgb[1] / 255.0), real(rgb[2] / 255.0));
         const int fill = add("FILL_AREA_STYLE('',(#{}))", add("FILL_AREA_STYLE_COLOUR('',#{})", c));
         const int side = add("SURFACE_SIDE_STYLE('',(#{}))", add("SURFACE_STYLE_FILL_AREA(#{})", fill));
-        const int style =
+        const int assignment =
             add("PRESENTATION_STYLE_ASSIGNMENT((#{}))", add("SURFACE_STYLE_USAGE(.BOTH.,#{})", side));
-        styled_.push_back(add("STYLED_ITEM('',(#{}),#{})", style, face));
+        return add("STYLED_ITEM('',(#{}),#{})", assignment, of);
     }
 
-    int direction(const Vec3& d) { return add("DIRECTION('',{})", reals(d)); }
+private:
+    std::ostream& out_;
+    int last_ = 0;
+};
 
-    void add_product(const std::vector<int>& solids) {
-        constexpr double room = 1.2;  // what readers round
-        const int length = add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", unit_.prefix);
-        const int angle = add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
-        const int solid_angle = add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
-        const int uncertainty =
-            add("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#{},'distance_accuracy_value','')",
-                real(std::max(least_uncertainty_, room * solid_.off)), length);
-        const int context =
-            add("(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{})) "
-                "GLOBAL_UNIT_ASSIGNED_CONTEXT((#{},#{},#{})) REPRESENTATION_CONTEXT('',''))",
-                uncertainty, length, angle, solid_angle);
-        const int world = add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", point(Vec3::Zero().eval()),
-                              direction(Vec3::UnitZ()), direction(Vec3::UnitX()));
-        std::vector<int> items{world};
-        items.insert(items.end(), solids.begin(), solids.end());
-        const int representation =
-            add("ADVANCED_BREP_SHAPE_REPRESENTATION('cell',{},#{})", references(items), context);
-        add("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{},#{})", references(styled_),
-            context);
-        const int application =
-            add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
-        add("APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2010,#{})",
-            application);
-        const int product_context = add("PRODUCT_CONTEXT('',#{},'mechanical')", application);
-        const int product = add("PRODUCT('cell','cell','',(#{}))", product_context);
-        add("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#{}))", product);
-        const int formation = add("PRODUCT_DEFINITION_FORMATION('','',#{})", product);
-        const int definition_context =
-            add("PRODUCT_DEFINITION_CONTEXT('part definition',#{},'design')", application);
-        const int definition = add("PRODUCT_DEFINITION('design','',#{},#{})", formation, definition_context);
-        const int shape = add("PRODUCT_DEFINITION_SHAPE('','',#{})", definition);
-        add("SHAPE_DEFINITION_REPRESENTATION(#{},#{})", shape, representation);
+// What a cell is as a solid: all of it is known before a line of it is written.
+class CellSolid {
+public:
+    CellSolid(const Cell& cell, double least_uncertainty)
+        : joined_(joined_parts(cell)),
+          shell_(closed_shell(joined_.cell)),
+          solid_(solid_of(shell_, joined_.cell.faces.size(), shortest(least_uncertainty))) {}
+
+    double off() const { return solid_.off; }
+
+    struct Written {
+        std::vector<int> solids, styled;
+    };
+    // Solids have that colour, or without one each face that of its site.
+    Written write(Lines& out, std::string_view name, std::optional<std::string_view> colour) const {
+        const double accurate = accuracy();
+        std::vector<int> vertices, surfaces;
+        for (const Vec3& v : solid_.vertices)
+            vertices.push_back(out.add("VERTEX_POINT('',#{})", out.point(v)));
+        for (const Solid::Face& f : solid_.faces)
+            surfaces.push_back(f.is_flat ? out.plane(f) : out.surface(f.surface, accurate));
+        const std::vector<int> edges = write_edges(out, vertices, surfaces);
+        const auto colours =
+            colour ? std::unordered_map<std::uint32_t, std::size_t>() : object_colours(joined_.cell);
+        Written lines;
+        for (const std::vector<std::uint32_t>& part : solid_.parts) {
+            std::vector<int> faces;
+            for (const std::uint32_t f : part) {
+                faces.push_back(write_face(out, f, edges, surfaces[f]));
+                const Site site = shell_.faces[solid_.faces[f].of].site;
+                if (!colour)
+                    lines.styled.push_back(out.style(faces.back(), site.is_object()
+                                                                       ? palette()[colours.at(site.index)]
+                                                                       : std::string_view("#dddddd")));
+            }
+            const int shell = out.add("CLOSED_SHELL('',{})", references(faces));
+            lines.solids.push_back(out.add("MANIFOLD_SOLID_BREP({},#{})", quoted(name), shell));
+            if (colour) lines.styled.push_back(out.style(lines.solids.back(), *colour));
+        }
+        return lines;
+    }
+
+private:
+    // Of the volume under a span, by the rule of few points that another program may take.
+    double accuracy() const {
+        constexpr double part = 1e-9;
+        const double size = cell_diagonal(joined_.cell), volume = joined_.cell.measures.volume;
+        return part * (std::isnan(volume) ? size * size * size / 100 : volume);
+    }
+
+    // What no reader tells from a point, but for cells that are hardly larger themselves.
+    double shortest(double least_uncertainty) const {
+        constexpr double of_cell = 1e-6;
+        return std::min(least_uncertainty, of_cell * cell_diagonal(joined_.cell));
+    }
+
+    std::vector<int> write_edges(Lines& out, const std::vector<int>& vertices,
+                                 const std::vector<int>& surfaces) const {
+        std::vector<std::vector<int>> in_parameters(solid_.edges.size());
+        for (std::size_t f = 0; f < solid_.faces.size(); ++f)
+            for (const auto& loop : solid_.faces[f].loops)
+                for (const Solid::Use& use : loop) {
+                    const int c = out.curve(use.curve);
+                    const int context = out.add(
+                        "(GEOMETRIC_REPRESENTATION_CONTEXT(2) PARAMETRIC_REPRESENTATION_CONTEXT() "
+                        "REPRESENTATION_CONTEXT('2D SPACE',''))");
+                    const int rep = out.add("DEFINITIONAL_REPRESENTATION('',(#{}),#{})", c, context);
+                    in_parameters[use.edge].push_back(out.add("PCURVE('',#{},#{})", surfaces[f], rep));
+                }
+        std::vector<int> edges;
+        for (std::size_t e = 0; e < solid_.edges.size(); ++e) {
+            const auto& [ends, in_space] = solid_.edges[e];
+            const int on_surfaces = out.add("SURFACE_CURVE('',#{},{},.CURVE_3D.)", out.curve(in_space),
+                                            references(in_parameters[e]));
+            edges.push_back(
+                out.add("EDGE_CURVE('',#{},#{},#{},.T.)", vertices[ends[0]], vertices[ends[1]], on_surfaces));
+        }
+        return edges;
+    }
+
+    // Counter-clockwise seen from outside, where the surface's normal points.
+    int write_face(Lines& out, std::uint32_t f, const std::vector<int>& edges, int surface) const {
+        std::vector<int> bounds;
+        for (const auto& loop : solid_.faces[f].loops) {
+            std::vector<int> sides;
+            for (const Solid::Use& use : loop)
+                sides.push_back(
+                    out.add("ORIENTED_EDGE('',*,*,#{},{})", edges[use.edge], flag(!use.reversed)));
+            const int edge_loop = out.add("EDGE_LOOP('',{})", references(sides));
+            bounds.push_back(
+                out.add("{}('',#{},.T.)", bounds.empty() ? "FACE_OUTER_BOUND" : "FACE_BOUND", edge_loop));
+        }
+        return out.add("ADVANCED_FACE('{}',{},#{},.T.)",
+                       to_string(site_in_diagram(joined_.cell, shell_.faces[solid_.faces[f].of].site)),
+                       references(bounds), surface);
     }
 
     const JoinedParts joined_;
-    const Cell& cell_;
-    const Unit unit_ = unit_of(cell_);
-    const double least_uncertainty_ =
-        1 / (1e7 * unit_.millimetres);  // OCCT's floor is 1e-7 mm, whatever the unit
-    const std::unordered_map<std::uint32_t, std::size_t> colours_ = object_colours(cell_);
-    const Shell shell_ = closed_shell(cell_);
-    const Solid solid_ = solid_of(shell_, cell_.faces.size(), shortest());
-    const double accuracy_ = accuracy();
-    std::vector<std::string> lines_;
-    std::vector<int> vertices_, surfaces_, edges_, styled_;
+    const Shell shell_;
+    const Solid solid_;
 };
 
-}  // namespace
+class File {
+public:
+    File(std::ostream& out, std::string_view name, std::string_view units)
+        : out_(out), lines_(out), name_(name), unit_(unit_of(units)) {
+        out << "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Voronoi " << name << "'),'2;1');\nFILE_NAME('"
+            << name
+            << "','',(''),(''),'vcell','vcell','');\n"
+               "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n";
+    }
 
-void write_step(std::ostream& out, const Cell& cell) { StepFile(cell).write(out); }
+    void add(const Cell& cell, std::string_view name, std::optional<std::string_view> colour) {
+        const CellSolid solid(cell, least_uncertainty_);
+        const CellSolid::Written lines = solid.write(lines_, name, colour);
+        solids_.insert(solids_.end(), lines.solids.begin(), lines.solids.end());
+        styled_.insert(styled_.end(), lines.styled.begin(), lines.styled.end());
+        off_ = std::max(off_, solid.off());
+    }
+
+    void finish() {
+        add_product();
+        out_ << "ENDSEC;\nEND-ISO-10303-21;\n";
+    }
+
+private:
+    void add_product() {
+        constexpr double room = 1.2;  // what readers round
+        const int length = lines_.add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT({},.METRE.))", unit_.prefix);
+        const int angle = lines_.add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
+        const int solid_angle = lines_.add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
+        const int uncertainty =
+            lines_.add("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#{},'distance_accuracy_value','')",
+                       real(std::max(least_uncertainty_, room * off_)), length);
+        const int context = lines_.add(
+            "(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{})) "
+            "GLOBAL_UNIT_ASSIGNED_CONTEXT((#{},#{},#{})) REPRESENTATION_CONTEXT('',''))",
+            uncertainty, length, angle, solid_angle);
+        const int world = lines_.add("AXIS2_PLACEMENT_3D('',#{},#{},#{})", lines_.point(Vec3::Zero().eval()),
+                                     lines_.direction(Vec3::UnitZ()), lines_.direction(Vec3::UnitX()));
+        std::vector<int> items{world};
+        items.insert(items.end(), solids_.begin(), solids_.end());
+        const int representation =
+            lines_.add("ADVANCED_BREP_SHAPE_REPRESENTATION('{}',{},#{})", name_, references(items), context);
+        lines_.add("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{},#{})", references(styled_),
+                   context);
+        const int application =
+            lines_.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
+        lines_.add("APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2010,#{})",
+                   application);
+        const int product_context = lines_.add("PRODUCT_CONTEXT('',#{},'mechanical')", application);
+        const int product = lines_.add("PRODUCT('{0}','{0}','',(#{1}))", name_, product_context);
+        lines_.add("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#{}))", product);
+        const int formation = lines_.add("PRODUCT_DEFINITION_FORMATION('','',#{})", product);
+        const int definition_context =
+            lines_.add("PRODUCT_DEFINITION_CONTEXT('part definition',#{},'design')", application);
+        const int definition =
+            lines_.add("PRODUCT_DEFINITION('design','',#{},#{})", formation, definition_context);
+        const int shape = lines_.add("PRODUCT_DEFINITION_SHAPE('','',#{})", definition);
+        lines_.add("SHAPE_DEFINITION_REPRESENTATION(#{},#{})", shape, representation);
+    }
+
+    std::ostream& out_;
+    Lines lines_;
+    const std::string name_;
+    const Unit unit_;
+    const double least_uncertainty_ =
+        1 / (1e7 * unit_.millimetres);  // OCCT's floor is 1e-7 mm, whatever the unit
+    double off_ = 0;                    // the solid that is off most
+    std::vector<int> solids_, styled_;
+};
+
+}  // namespace step
+
+void write_step(std::ostream& out, const Cell& cell) {
+    step::File file(out, "cell", cell.scene.units);
+    file.add(cell, "cell", std::nullopt);
+    file.finish();
+}
+
+DiagramStep::DiagramStep(std::ostream& out, const DiagramScene& scene)
+    : file_(std::make_unique<step::File>(out, "diagram", scene.units)) {}
+DiagramStep::~DiagramStep() = default;
+
+void DiagramStep::add(std::uint32_t object, const Cell& cell) {
+    file_->add(cell, cell_title(static_cast<std::int32_t>(object), cell),
+               palette()[colours_.add(object, cell)]);
+}
+
+void DiagramStep::finish() { file_->finish(); }
 
 }  // namespace vcell

@@ -1,11 +1,18 @@
-/// STEP (ISO 10303-21, AP214) of a cell: a closed solid for CAD.
+/// STEP (ISO 10303-21, AP214) of a cell, or of all cells of a diagram: closed solids for CAD.
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
+#include <memory>
 
-#include "../../envelope/cell.hpp"
+#include "../../envelope/voronoi_diagram.hpp"
+#include "../pictures/diagram_pictures.hpp"
 
 namespace vcell {
+
+namespace step {
+class File;
+}
 
 /// A MANIFOLD_SOLID_BREP for each connected part, most often one, the base's own body included: what closes
 /// the cell (closed_shell()) are planar faces. Each other ADVANCED_FACE is a patch of a face, named after its
@@ -21,5 +28,26 @@ namespace vcell {
 /// joined_parts() joins them: a face goes on beyond such an end as another ADVANCED_FACE, and its edges there
 /// have curves in its parameters that are fitted anew where both parts run through them unalike.
 void write_step(std::ostream& out, const Cell& cell);
+
+/// The cells of a diagram in one STEP file, one after the other as they are computed (DiagramOptions::visit;
+/// DiagramOptions::complete closes those of planes and tubes in the box): solids as write_step() has them,
+/// each by itself, "cell 7 (name)" in one colour. Neighbours are bounded by one surface, which each has as
+/// its own cell does, within the errors that both state. Faces are named after what is beyond, images as
+/// "3(0,-1,0)". The uncertainty is that of the solid that is off most.
+class DiagramStep {
+public:
+    DiagramStep(std::ostream& out, const DiagramScene& scene);
+    ~DiagramStep();
+    DiagramStep(const DiagramStep&) = delete;
+    DiagramStep& operator=(const DiagramStep&) = delete;
+
+    /// Throws as solid_of(); then nothing of the cell is written.
+    void add(std::uint32_t object, const Cell& cell);
+    void finish();
+
+private:
+    const std::unique_ptr<step::File> file_;
+    CellColours colours_;
+};
 
 }  // namespace vcell

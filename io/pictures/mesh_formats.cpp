@@ -42,12 +42,11 @@ void LabelledMesh::add(std::int32_t number, const Cell& of, const CellMesh& mesh
     const auto before = static_cast<std::uint32_t>(points.size());
     const auto normals_before = static_cast<std::uint32_t>(normals.size());
     Part part{number,
-              number < 0 ? "cell" : "cell " + std::to_string(number),
+              cell_title(number, of),
               {points.size(), 0},
               {triangles.size(), 0},
               {faces.size(), 0},
               {lines.size(), 0}};
-    if (!of.scene.base_name.empty()) part.title += " (" + of.scene.base_name + ")";
     units = of.scene.units;
     const std::unordered_map<std::uint32_t, std::size_t> colours =
         colour ? std::unordered_map<std::uint32_t, std::size_t>() : object_colours(of);

@@ -75,4 +75,10 @@ std::string site_title(const Scene& scene, Site site) {
     return (site.kind == Site::Kind::BoxSide ? "box side " : "end ") + name.substr(name.find(':') + 1);
 }
 
+std::string cell_title(std::int32_t number, const Cell& cell) {
+    std::string title = number < 0 ? "cell" : "cell " + std::to_string(number);
+    if (!cell.scene.base_name.empty()) title += " (" + cell.scene.base_name + ")";
+    return title;
+}
+
 }  // namespace vcell

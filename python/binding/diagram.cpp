@@ -2,8 +2,10 @@
 #include "../../envelope/voronoi_diagram.hpp"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "../../envelope/whole/void_network.hpp"
+#include "../../io/pictures/diagram_output.hpp"
 #include "arrays.hpp"
 #include "binding.hpp"
 
@@ -203,15 +205,30 @@ void bind_table(py::module_& m) {
 
     m.def(
         "diagram",
-        [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit, bool bodies) {
+        [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit, bool bodies,
+           const std::vector<std::filesystem::path>& outputs, double chord,
+           const std::optional<std::pair<std::string, double>>& cut) {
+            DiagramFileOptions how;
+            how.chord = chord;
+            if (cut) {
+                if (cut->first != "x" && cut->first != "y" && cut->first != "z")
+                    throw py::value_error("cut: must be like (\"z\", 0.5)");
+                how.cut = {cut->first[0] - 'x', cut->second};
+            }
             Listener listener(std::move(progress), std::move(visit));
             Diagram result{scene, {}};
             const py::gil_scoped_release unlocked;
-            result.diagram = voronoi_diagram(result.scene, listener.options(threads, bodies));
+            std::vector<std::string> paths;
+            for (const std::filesystem::path& path : outputs) paths.push_back(path.string());
+            DiagramFiles files(paths, how);
+            result.diagram = files.compute(result.scene, listener.options(threads, bodies));
+            files.commit();
             return result;
         },
         py::arg("scene"), py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
         py::arg("visit") = py::none(), py::arg("bodies") = false,
+        py::arg("outputs") = std::vector<std::filesystem::path>(),
+        py::arg("chord") = DiagramFileOptions().chord, py::arg("cut") = py::none(),
         "The cells of all objects, each proved to be that among all others. What one cell runs into is in its "
         "state.\n\n"
         "threads: 0 is as many as there are cores; the result is the same for any number.\n"
@@ -219,8 +236,13 @@ void bind_table(py::module_& m) {
         "visit: called with the number and the Cell of each computed cell of a ball, ascending. The cell's scene "
         "has the objects that were looked at; its sites are their numbers in the diagram or, where the box repeats, "
         "places in that scene.\n"
-        "bodies: Diagram.body_volume is told, too.\n\n"
-        "Ctrl-C ends it. Raises InputError.");
+        "bodies: Diagram.body_volume is told, too.\n"
+        "outputs: paths of files to write all cells to, in the formats of their endings: .json, .obj, .stl, .ply, .vtu, "
+        ".bezier.vtu, .glb, .3mf, .step, .itd, .html or .svg. Planes and cylinders have their complete cells then, and "
+        "visit sees them.\n"
+        "chord: of meshes, as a part of a cell's diagonal.\n"
+        "cut: the plane of a .svg, like (\"z\", 0.5).\n\n"
+        "Ctrl-C ends it. Raises InputError, WriteError.");
 }
 
 void bind_network(py::module_& m) {

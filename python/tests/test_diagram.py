@@ -60,6 +60,22 @@ def test_areas_on_the_box_sum_to_it(diagram):
         assert table.area[table.second == -1 - side].sum() == pytest.approx(100, rel=1e-9)
 
 
+def test_files_of_all_cells(balls, tmp_path):
+    endings = ("json", "obj", "stl", "ply", "vtu", "bezier.vtu", "glb", "3mf", "step", "itd", "html", "svg")
+    files = [tmp_path / f"all.{ending}" for ending in endings]
+    scene, seen = vcell.DiagramScene(balls[:6], box), []
+    diagram = vcell.diagram(scene, visit=lambda i, _: seen.append(i), outputs=files, chord=0.02, cut=("z", 5))
+    assert seen == list(range(6)) and diagram.filled_volume().fills
+    assert all(file.stat().st_size > 1000 for file in files) and (tmp_path / "all.mtl").exists()
+    assert files[endings.index("step")].read_text().count("MANIFOLD_SOLID_BREP") == 6
+    with pytest.raises(ValueError, match="must end in"):
+        vcell.diagram(scene, outputs=["all.xyz"])
+    with pytest.raises(ValueError, match="given twice"):
+        vcell.diagram(scene, outputs=[files[0], files[0]])
+    with pytest.raises(ValueError, match="cut"):
+        vcell.diagram(scene, outputs=files[-1:], cut=("w", 5))
+
+
 def test_a_lattice_that_repeats():
     scene = vcell.DiagramScene([vcell.Sphere((0.3, 0.2, 0.1), 0.25)], [(0, 0, 0), (2, 2, 2)], periodic=(True,) * 3)
     diagram = vcell.diagram(scene)

@@ -154,6 +154,12 @@ def main():
     check(len(rows) == 9 and abs(total - 27) < 1e-6, f"all.vtu: {len(rows) - 1} cells of volume {total}")
     run("diagram", "-", "--box", -1, -1, -1, 2, 2, 2, "--chord", "2%", "-o", folder / "coarse.vtu", input=balls)
     coarse = read(folder / "coarse.vtu")
+    run("diagram", "-", "--box", -1, -1, -1, 2, 2, 2, "-o", folder / "all.bezier.vtu", "-o", folder / "all.json", input=balls)
+    exact, cells = read(folder / "all.bezier.vtu"), json.loads((folder / "all.json").read_text())["cells"]
+    patches = [(i, f) for i, c in enumerate(cells) for f, face in enumerate(c["faces"]) for _ in face["patches"]]
+    numbers = arrays(exact.GetCellData())
+    told = [(numbers["cell"].GetValue(i), numbers["face"].GetValue(i)) for i in range(exact.GetNumberOfCells())]
+    check([t for t in told if t[1] >= 0] == patches, f"all.bezier.vtu: patches {told}")
     check(0 < 2 * coarse.GetNumberOfCells() < grid.GetNumberOfCells(), f"coarse.vtu: {coarse.GetNumberOfCells()} triangles")
     check({"cell", "neighbor", "volume", "porosity"} <= set(of_cells), f"all.vtu: arrays {set(of_cells)}")
     print(*(faults or ["VTK reads what was written"]), sep="\n")

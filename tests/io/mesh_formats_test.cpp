@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <set>
 #include <sstream>
 #include <string>
@@ -14,9 +13,12 @@
 
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/files/files.hpp"
-#include "base64.hpp"
+#include "vtu_arrays.hpp"
 
 namespace vcell {
+using testing::array_of;
+using testing::take;
+
 namespace {
 
 LabelledMesh two_cells() {
@@ -32,31 +34,11 @@ LabelledMesh two_cells() {
     return mesh;
 }
 
-template <class T>
-T take(const std::string& bytes, std::size_t& at) {
-    T value;
-    REQUIRE(at + sizeof(T) <= bytes.size());
-    std::memcpy(&value, bytes.data() + at, sizeof(T));
-    at += sizeof(T);
-    return value;
-}
-
 /// Of triangles as six numbers each, counter-clockwise from outside.
 double volume(const std::vector<std::array<Vec3, 3>>& triangles) {
     double sum = 0;
     for (const auto& [a, b, c] : triangles) sum += a.dot(b.cross(c)) / 6;
     return sum;
-}
-
-/// The bytes of an array of a .vtu, after their number.
-std::string array_of(const std::string& file, const std::string& name) {
-    const std::size_t at = file.find("Name=\"" + name + "\""), begin = file.find(">\n", at) + 2,
-                      end = file.find('\n', begin);
-    REQUIRE(at != file.npos);
-    const std::string bytes = testing::from_base64(file.substr(begin, end - begin));
-    std::size_t start = 0;
-    CHECK(take<std::uint64_t>(bytes, start) == bytes.size() - 8);
-    return bytes.substr(start);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 """STEP files judged by themselves: step.py PROGRAM FOLDER SCENES...
 
-Reads what PROGRAM writes of each scene, and believes its text alone: every reference is there, every edge is used once
+Reads what PROGRAM writes of each scene, and of a whole diagram, and believes its text alone: every reference is there, every edge is used once
 each way in a closed shell whose loops run head to tail, curves end at their vertices, a curve in a surface's parameters is
 the curve in space at equal parameters within the uncertainty that the file states, and the volume by the divergence
 theorem, by quadrature of its own, is the one that `PROGRAM measure` states. A file with a face turned, and one with a pole
@@ -270,7 +270,15 @@ def main():
         print(f"{scene}: {volume!r}, off by {abs(volume - expected) / expected:.1e}")
         if not abs(volume - expected) <= 1e-6 * expected:
             sys.exit(f"{scene}: the volume is {volume}, not {expected}")
-    # What is judged last, damaged.
+    # The cells of a diagram are a solid each, and fill their box.
+    scene, path = pathlib.Path(scenes[0]).with_name("ball_tube_plane.json"), pathlib.Path(folder) / "diagram.step"
+    told = subprocess.run([program, "diagram", str(scene), "-o", str(path)], check=True, capture_output=True, text=True)
+    row = next(csv.DictReader(told.stdout.splitlines(), delimiter="\t"))
+    volume, expected = judged(path.read_text()), float(row["volume"])
+    print(f"{scene}: {volume!r}, off by {abs(volume - expected) / expected:.1e}")
+    if not abs(volume - expected) <= 1e-6 * expected:
+        sys.exit(f"{scene}: the cells' volume is {volume}, not {expected}")
+    # What is judged last but that, damaged.
     sense = re.search(r"ORIENTED_EDGE\('',\*,\*,#\d+,\.T\.\)", text)[0]
     pole = re.search(r"(CARTESIAN_POINT\('',\()(-?\d+\.\d*)", text)
     vertex = re.search(r"EDGE_CURVE\('',#(\d+),#(\d+)", text)

@@ -1,0 +1,166 @@
+// Whole diagrams in files: what each format has of every cell.
+#include "../../io/pictures/diagram_output.hpp"
+
+#include <doctest/doctest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "../../io/files/files.hpp"
+#include "vtu_arrays.hpp"
+
+namespace vcell {
+
+namespace fs = std::filesystem;
+using testing::array_of;
+using testing::take;
+
+namespace {
+
+/// An empty folder that goes with the object.
+struct Folder {
+    Folder() {
+        std::string name = (fs::temp_directory_path() / "vcell_diagram_output.XXXXXX").string();
+        REQUIRE(::mkdtemp(name.data()) != nullptr);
+        path = name;
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string file(const char* name) const { return (path / name).string(); }
+
+    fs::path path;
+};
+
+/// Balls, one of them with a name that is not ASCII, over a plane and beside a tube.
+DiagramScene mixed_scene() {
+    DiagramScene scene;
+    scene.box = {{0, 0, 0}, {4, 4, 4}};
+    scene.objects = {Sphere{{1, 1, 2}, 0.5}, Sphere{{3, 1, 2}, 0.25}, Plane{{0, 0, 0.5}, {0, 0, 1}},
+                     Cylinder{{2, 3, 2.5}, {1, 0, 0}, 0.25}};
+    scene.names = {"B'\u00e9\\", "", "floor", "rod"};
+    return scene;
+}
+
+std::size_t times_in(const std::string& text, const std::string& what) {
+    std::size_t n = 0;
+    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += what.size()) ++n;
+    return n;
+}
+
+std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
+    const std::regex wanted(pattern);
+    std::vector<std::string> all;
+    for (std::sregex_iterator m(text.begin(), text.end(), wanted); m != std::sregex_iterator(); ++m)
+        all.push_back((*m)[1]);
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("diagram files: exact formats have every cell") {
+    const Folder folder;
+    const DiagramScene scene = mixed_scene();
+    DiagramFiles files({folder.file("all.step"), folder.file("all.itd"), folder.file("all.bezier.vtu")});
+    std::map<std::uint32_t, int> cells;
+    std::size_t patches = 0, edges = 0;
+    DiagramOptions options;
+    options.visit = [&](std::uint32_t object, const Cell& cell) {
+        ++cells[object];
+        edges += cell.edges.size();
+        for (const CellFace& face : cell.faces) patches += face.patches.size();
+    };
+    const VoronoiDiagram diagram = files.compute(scene, options);
+    CHECK(filled_volume(scene, diagram).fills());
+    CHECK(files.without_faces().empty());
+    CHECK(fs::is_empty(folder.path));
+    files.commit();
+    // The plane has a cell on either side.
+    CHECK(cells == std::map<std::uint32_t, int>{{0, 1}, {1, 1}, {2, 2}, {3, 1}});
+
+    const std::string step = read_file(folder.file("all.step"));
+    CHECK(matches(step, R"(MANIFOLD_SOLID_BREP\('(.*)',#\d+\);)") ==
+          std::vector<std::string>{R"(cell 0 (B''\X2\00E9\X0\\\))", "cell 1", "cell 2 (floor)",
+                                   "cell 2 (floor)", "cell 3 (rod)"});
+    CHECK(times_in(step, "STYLED_ITEM(") == 5);
+    CHECK(times_in(step, "PRODUCT(") == 1);
+    std::map<std::string, int> balance;
+    for (const std::string& edge : matches(step, R"(ORIENTED_EDGE\('',\*,\*,#(\d+,\.[TF]\.)\))"))
+        balance[edge.substr(0, edge.find(','))] += edge.ends_with(".T.") ? 1 : -1;
+    CHECK(balance.size() == times_in(step, "EDGE_CURVE("));
+    CHECK(std::ranges::all_of(balance, [](const auto& b) { return b.second == 0; }));
+
+    const std::string itd = read_file(folder.file("all.itd"));
+    const std::vector<std::string> names = matches(itd, R"((CELL\d+B?_[A-Z]+\d+(?:_\d+)?)\s)");
+    CHECK(std::set<std::string>(names.begin(), names.end()).size() == names.size());
+    CHECK(times_in(itd, "[TRIMSRF") == patches);
+    CHECK(times_in(itd, "_EDGE") == edges);
+    CHECK(times_in(itd, " CELL2B_FACE") > 0);
+
+    const std::string elements = read_file(folder.file("all.bezier.vtu"));
+    const std::string types = array_of(elements, "types"), numbers = array_of(elements, "cell");
+    CHECK(std::ranges::count(types, char(77)) == static_cast<std::ptrdiff_t>(patches));
+    std::set<std::int32_t> told;
+    for (std::size_t at = 0; at < numbers.size();) told.insert(take<std::int32_t>(numbers, at));
+    CHECK(told == std::set<std::int32_t>{0, 1, 2, 3});
+}
+
+TEST_CASE("diagram files: images are named by their objects") {
+    const Folder folder;
+    DiagramScene scene;
+    scene.box = {{0, 0, 0}, {2, 2, 2}};
+    scene.periodic = {true, true, true};
+    scene.objects = {Sphere{{0.5, 0.5, 0.5}, 0.25}};
+    DiagramFiles files({folder.file("all.stp"), folder.file("all.itd"), folder.file("all.bezier.vtu")});
+    files.compute(scene);
+    files.commit();
+    const std::set<std::string> images{"0(-1,0,0)", "0(0,-1,0)", "0(0,0,-1)",
+                                       "0(0,0,1)",  "0(0,1,0)",  "0(1,0,0)"};
+    const auto faces = matches(read_file(folder.file("all.stp")), R"(ADVANCED_FACE\('([^']*)')");
+    CHECK(std::set<std::string>(faces.begin(), faces.end()) == images);
+    const auto beyond = matches(read_file(folder.file("all.itd")), R"lim(\[neighbor "([^"]*)"\])lim");
+    CHECK(std::set<std::string>(beyond.begin(), beyond.end()) == images);
+    const std::string neighbors = array_of(read_file(folder.file("all.bezier.vtu")), "neighbor");
+    for (std::size_t at = 0; at < neighbors.size();) CHECK(take<std::int32_t>(neighbors, at) == 0);
+}
+
+TEST_CASE("diagram files: cells that have measures alone are named") {
+    const Folder folder;
+    DiagramScene scene;
+    scene.box = {{-2, -2, -2}, {2, 2, 2}};
+    scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.25}, HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1.5},
+                     Sphere{{0, 0, 1.5}, 0.25}};
+    DiagramFiles files({folder.file("all.step")});
+    const VoronoiDiagram diagram = files.compute(scene);
+    files.commit();
+    CHECK(diagram.cells[0].state == DiagramCell::State::Computed);
+    CHECK(files.without_faces() == std::vector<std::uint32_t>{0});
+    CHECK(times_in(read_file(folder.file("all.step")), "MANIFOLD_SOLID_BREP(") == 1);
+}
+
+TEST_CASE("diagram files: wrong ones are told before anything is computed") {
+    const Folder folder;
+    const auto complaint = [&](const std::vector<std::string>& paths,
+                               const DiagramFileOptions& options = {}) {
+        try {
+            DiagramFiles files(paths, options);
+        } catch (const std::invalid_argument& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    CHECK(complaint({folder.file("all.xyz")}).find("must end in") != std::string::npos);
+    CHECK(complaint({folder.file("all.svg")}).find("takes a plane") != std::string::npos);
+    CHECK(complaint({folder.file("all.svg")}, {0.01, DiagramFileOptions::Cut{2, 0}}).empty());
+    CHECK(complaint({folder.file("all.obj"), folder.file("all.stl")}).empty());
+    CHECK(complaint({folder.file("a.stl"), folder.file("a.stl")}).find("given twice") != std::string::npos);
+    CHECK_THROWS_AS(DiagramFiles({folder.file("absent/all.stl")}), WriteError);
+    CHECK(fs::is_empty(folder.path));
+}
+
+}  // namespace vcell
