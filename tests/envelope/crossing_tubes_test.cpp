@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "../../envelope/voronoi_cell.hpp"
 #include "radial_cell_checks.hpp"
 
 namespace vcell::crossing_tubes_test {
@@ -45,6 +46,12 @@ TEST_CASE("cells: among tubes of one radius that cross") {
          {Cylinder{Vec3::Zero(), {1, 0, 0}, 0.5}, Cylinder{Vec3::Zero(), {1, 2, 2}, 0.5},
           Cylinder{Vec3::Zero(), {-2, 1, 3}, 0.5}, Cylinder{{0.1, 0.2, 0.3}, {1, 3, 1}, 0.25}})
         has_node(checked(about_tube(tube, 4, {along_x, oblique})), 2);
+    // Over a plane, where one coordinate of the node is 0.
+    Scene plane;
+    plane.base = Plane{};
+    plane.objects = {Cylinder{{0, -2, 3}, {4, -3, 0}, 0.5}, Cylinder{{0, -3, 3}, {0, 1, 0}, 0.5}};
+    plane.box = {Vec3::Constant(-8), Vec3::Constant(8)};
+    has_node(voronoi_cell(plane), 2);
     // Two pairs that cross, tilted.
     has_node(checked(about_tube({Vec3::Zero(), {1, 1, 0}, 0.5}, 3,
                                 {Cylinder{{2, 0, 3}, {0, 0, -1}, 0.25}, Cylinder{{2, 1, 2}, {-1, 1, 1}, 0.25},

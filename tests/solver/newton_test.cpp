@@ -68,6 +68,28 @@ TEST_CASE("newton: what is near a root is proved, at a double root it is not") {
     }
 }
 
+TEST_CASE("newton: a root of which one coordinate is 0 is proved from any start") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> off(-0.01, 0.01);
+    const IntervalBox<2> everywhere{Interval::whole(), Interval::whole()};
+    // x (3 + y) + 2 (y - d) and x - 3 (y - d), d a power of two.
+    const double d = -0.125;
+    const auto linearise = [&](const IntervalBox<2>& p) -> LocalModel<Interval, 2> {
+        const Interval y = p[1] - Interval(d);
+        return {{p[0] * (p[1] + 3.0) + 2.0 * y, p[0] - 3.0 * y},
+                {{{p[1] + 3.0, p[0] + 2.0}, {Interval(1.0), Interval(-3.0)}}}};
+    };
+    const LinearisedModel<Interval, 2, decltype(linearise)> model(linearise);
+    for (int n = 0; n < 200; ++n) {
+        const auto box =
+            prove_near<Interval, 2>(model, {Interval(off(rng)), Interval(d + off(rng))}, everywhere);
+        REQUIRE(box.has_value());
+        CHECK((*box)[0].contains(0));
+        CHECK((*box)[1].contains(d));
+        CHECK(width(*box) < 1e-13);
+    }
+}
+
 TEST_CASE("newton: with many digits a root is approached to them, and not beyond the cube") {
     const double c = 1.25, d = -0.75, small = 0x1p-280;
     const IntervalBox<2> everywhere{Interval::whole(), Interval::whole()};

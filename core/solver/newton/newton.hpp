@@ -88,11 +88,16 @@ std::optional<IntervalBox<N>> prove_near(const Model& model, std::array<T, N> x,
         if (size == 0 || (iteration > 3 && !(size < 0.5 * least))) break;
         least = std::min(least, size);
     }
+    // A coordinate of 0, about which nothing is rounded, takes a little of what the others are wide.
+    const IntervalBox<N> middle = converted<Interval>(x);
+    double others = 0;
+    for (int i = 0; i < N; ++i) others = std::max(others, middle[i].magnitude() + last[i]);
     for (double factor = 4; factor < 0x1p60; factor *= 16) {
-        IntervalBox<N> box = converted<Interval>(x);
+        IntervalBox<N> box = middle;
         double widest = 0;
         for (int i = 0; i < N; ++i) {
-            const double radius = factor * (last[i] + 0x1p-53 * box[i].magnitude()) + 0x1p-1000;
+            const double radius =
+                factor * (last[i] + 0x1p-53 * box[i].magnitude() + 0x1p-96 * others) + 0x1p-1000;
             widest = std::max(widest, radius);
             box[i] = box[i] + Interval(-radius, radius);
         }
