@@ -85,11 +85,7 @@ std::optional<Apex> ApexFinder::find() {
         apex.decided = is_exact && points_.settle_tie(v, triple);
         find_between(apex, is_exact ? assumed_exponent : noise_exponent);
         if (!is_exact) {
-            // What the forms do about the apex is seen from as far away as this only.
-            constexpr double far = 256;
-            if (apex.between.empty() || !(far * apex.noise <= work_.width) ||
-                work_.where(apex.point, apex.error + apex.noise) != Inside::Yes)
-                return std::nullopt;
+            if (apex.between.empty() || !can_be_told(apex)) return std::nullopt;
             return apex;
         }
         apex.point = v.point;
@@ -100,8 +96,18 @@ std::optional<Apex> ApexFinder::find() {
     if (!c) return std::nullopt;
     std::vector<HeightJet<Wide>> jets;
     for (const Spread& s : r) jets.push_back(heights_.jet(s.form, (*c)[0], (*c)[1]));
-    for (std::size_t i = 1; i < n; ++i)
-        if (!agree(jets[0].v, jets[i].v, jets[0].v)) return std::nullopt;
+    const auto is_tied = [&](const auto& pair) {
+        const auto &a = jets[pair[0]], &b = jets[pair[1]];
+        return agree(a.gx, b.gx, Wide(1.0)) && agree(a.gy, b.gy, Wide(1.0));
+    };
+    const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
+    if (!std::ranges::all_of(jets, [&](const auto& j) { return agree(jets[0].v, j.v, jets[0].v); }) ||
+        !std::ranges::all_of(touching, is_tied)) {
+        if (apex.rim) return std::nullopt;
+        apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
+        apex.point = rounded;
+        return find_touching_in_noise(std::move(apex), touching, jets);
+    }
     if (apex.rim)
         for (const PieceSide* side : work_.sides_at(*apex.rim))
             if (!agree(Wide(side->a) * (*c)[0] + Wide(side->b) * (*c)[1], -Wide(side->c), Wide(extent_)))
@@ -110,8 +116,6 @@ std::optional<Apex> ApexFinder::find() {
     const auto exact = points_.exact_tie(work_.forms(), (*c)[0], (*c)[1]);
     apex.decided = exact.has_value();
     for (const auto& [i, j] : touching) {
-        if (!agree(jets[i].gx, jets[j].gx, Wide(1.0)) || !agree(jets[i].gy, jets[j].gy, Wide(1.0)))
-            return std::nullopt;
         apex.decided = apex.decided && have_equal_gradients(heights_.family(), r[i].form, r[j].form, *exact);
         apex.differences[i][j].curvature = heights_.curvature_difference(r[i].form, r[j].form, bx, by);
     }
@@ -120,11 +124,54 @@ std::optional<Apex> ApexFinder::find() {
             apex.decided = apex.decided && is_on_line(*exact, side->a, side->b, side->c);
     apex.decided = apex.decided || is_tie_in_space(apex, touching);
     if (apex.rim) return apex;
-    const Vector2d rounded(nearest_double((*c)[0], extent_), nearest_double((*c)[1], extent_));
     apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
     apex.point = rounded;
     apex.decided = apex.decided || (2 * touching.size() == n * (n - 1) && is_tie_of_planes(apex));
     return apex;
+}
+
+// More than three forms that tie in the apex but for noise, as the gradients of those that touch do.
+std::optional<Apex> ApexFinder::find_touching_in_noise(Apex apex,
+                                                       std::span<const std::array<std::size_t, 2>> touching,
+                                                       std::span<const HeightJet<Wide>> jets) const {
+    const std::vector<Spread>& r = work_.rivals;
+    if (r.size() < 4) return std::nullopt;
+    const int noise = jets[0].v.magnitude_exponent() + noise_exponent;
+    const Interval bx(work_.piece.box[0], work_.piece.box[1]), by(work_.piece.box[2], work_.piece.box[3]);
+    for (std::size_t i = 0; i < r.size(); ++i)
+        for (std::size_t j = i + 1; j < r.size(); ++j) {
+            const Wide off = jets[i].v - jets[j].v;
+            if (off.magnitude_exponent() >= noise) return std::nullopt;
+            const Interval value = off.enclosure().magnitude();
+            if (std::ranges::find(touching, std::array{i, j}) == touching.end()) {
+                const double slope = PieceWork::least(work_.gradient(r[i], r[j])).norm();
+                apex.noise = std::max(apex.noise, (value / Interval(slope)).upper());
+                continue;
+            }
+            const Wide gx = jets[i].gx - jets[j].gx, gy = jets[i].gy - jets[j].gy;
+            if (std::max(gx.magnitude_exponent(), gy.magnitude_exponent()) >= noise_exponent)
+                return std::nullopt;
+            // The difference is v + g.p + p.Hp / 2 at p from the apex. With l the least magnitude of an
+            // eigenvalue of H, which is det H over the other one, the last term outweighs the others where
+            // |p| > 2 |g| / l + sqrt(2 |v| / l).
+            const HeightCurvature<Interval> bend =
+                heights_.curvature_difference(r[i].form, r[j].form, bx, by);
+            const Interval det = bend.xx * bend.yy - square(bend.xy);
+            if (!det.sign()) return std::nullopt;
+            const double most =
+                (Interval(bend.xx.magnitude()) + bend.yy.magnitude() + 2 * bend.xy.magnitude()).upper();
+            const Interval least = Interval(std::min(std::abs(det.lower()), std::abs(det.upper()))) / most;
+            const Interval slope = Interval(gx.enclosure().magnitude()) + gy.enclosure().magnitude();
+            apex.noise = std::max(apex.noise, (2.0 * slope / least + sqrt(2.0 * value / least)).upper());
+            apex.differences[i][j].curvature = bend;
+        }
+    return can_be_told(apex) ? std::optional(std::move(apex)) : std::nullopt;
+}
+
+// What forms do about the apex is seen from as far away as this only.
+bool ApexFinder::can_be_told(const Apex& apex) const {
+    constexpr double far = 256;
+    return far * apex.noise <= work_.width && work_.where(apex.point, apex.error + apex.noise) == Inside::Yes;
 }
 
 // Do the equations of all forms leave a point of the piece, or of the rim where the apex is there, in which

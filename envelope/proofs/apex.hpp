@@ -26,6 +26,10 @@ public:
 private:
     std::optional<std::array<FormId, 3>> triple_in_one_point() const;
     std::optional<Apex> find_in_line(Apex apex);
+    std::optional<Apex> find_touching_in_noise(Apex apex,
+                                               std::span<const std::array<std::size_t, 2>> touching,
+                                               std::span<const HeightJet<Wide>> jets) const;
+    bool can_be_told(const Apex& apex) const;
     void find_between(Apex& apex, int exponent);
     bool is_tie_in_space(const Apex& apex, std::span<const std::array<std::size_t, 2>> touching) const;
     bool is_tie_of_planes(const Apex& apex) const;

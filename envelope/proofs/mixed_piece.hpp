@@ -31,8 +31,9 @@
 /// such a point, or more than three of them in any point, the diagram is a fan around it (tie_fan.hpp),
 /// decided once it is known that they tie: exactly where all trisectors split into planes, or in a point in
 /// doubles, and else to 2^-200, listed as assumed. Where gradients in it are on one line faces end in cusps;
-/// there forms that tie but for a scene's rounding (`noise_exponent`) are taken to tie, and listed. A saddle
-/// whose value is not zero keeps two curves apart. Along the region's sides the same holds in one dimension.
+/// there, and in a node through which two further forms pass, forms that tie but for a scene's rounding
+/// (`noise_exponent`) are taken to tie, and listed. A saddle of two forms whose value is not zero keeps two
+/// curves apart. Along the region's sides the same holds in one dimension.
 ///
 /// A form that comes down to the trisector of two others from above and ends there (touching.hpp) makes a
 /// vertex with them, and no face. If it reaches through, its face is the lens between the two zeros of its

@@ -26,6 +26,7 @@ namespace vcell {
 namespace {
 
 Scene scene_named(const std::string& name) { return read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json"); }
+Scene hostile(const std::string& name) { return read_scene(test_data("hostile/" + name + ".json")); }
 
 void expect_refuted(const Cell& good, const std::string& where, const std::function<void(Cell&)>& damage) {
     Cell bad = good;
@@ -129,16 +130,16 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "cone_in_cone",
                              "walls_meet_on_plane",
                              "wall_touches_side_on_plane",
-                             "rim_through_corner"}) {
+                             "rim_through_corner",
+                             "lines_cross_in_a_tie"}) {
         CAPTURE(name);
-        const Certificate c =
-            certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))));
+        const Certificate c = certify(voronoi_cell(hostile(name)));
         CHECK_MESSAGE(c.holds(), listing(c));
     }
     // Beside a node two bisectors are nearly one: where another face may begin is left open.
-    const Cell node = voronoi_cell(read_scene(test_data("hostile/node_of_tubes.json")));
+    const Cell node = voronoi_cell(hostile("node_of_tubes"));
     CHECK(std::ranges::count(node.vertices, true, &CellVertex::is_touching) == 1);
-    const Cell touched = voronoi_cell(read_scene(test_data("hostile/touching_from_above.json")));
+    const Cell touched = voronoi_cell(hostile("touching_from_above"));
     CHECK(touched.vertices.size() == 4);
     for (const Cell* cell : {&node, &touched}) {
         const Certificate c = certify(*cell);
@@ -171,8 +172,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "plane_touches_line",
                              "twin_of_base_in_roundings"}) {
         CAPTURE(name);
-        const Certificate c =
-            certify(voronoi_cell(read_scene(test_data(std::string("hostile/") + name + ".json"))), options);
+        const Certificate c = certify(voronoi_cell(hostile(name)), options);
         CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
     }
 }
