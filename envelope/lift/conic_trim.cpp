@@ -1,6 +1,7 @@
 #include "conic_trim.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vcell {
 
@@ -72,8 +73,8 @@ void add_even(const ConicSpan& span, std::vector<ConicSpan>& spans, int halvings
     constexpr double greatest_weight = 4, most_unequal = 16;
     const auto leg = [&](const Vector4d& end) { return (span.middle / span.weight - end).head<3>().norm(); };
     const double from = leg(span.from), to = leg(span.to);
-    const bool is_uneven =
-        span.weight > greatest_weight || std::max(from, to) > most_unequal * std::min(from, to);
+    const bool is_uneven = (span.weight > greatest_weight && std::isfinite(span.weight)) ||
+                           std::max(from, to) > most_unequal * std::min(from, to);
     if (!is_uneven || halvings == 0) return add_halves(span, {}, spans);
     for (const ConicSpan& half : span.halves()) add_even(half, spans, halvings - 1);
 }

@@ -49,7 +49,7 @@ private:
 void add_halves(const ConicSpan& span, std::span<const RadialPatch* const> patches,
                 std::vector<ConicSpan>& spans, int halvings = 40);
 /// Appends a span whose points may lie at distances of all sizes from the axis, halved until neither a large
-/// weight nor unequal legs crowd them.
+/// weight nor unequal legs crowd them. Numbers that are none are not halved.
 void add_even(const ConicSpan& span, std::vector<ConicSpan>& spans, int halvings = 40);
 
 /// Extends a rectangle of parameters by a span's trim.

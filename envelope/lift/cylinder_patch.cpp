@@ -75,7 +75,7 @@ CylinderFrame::CylinderFrame(const CylinderForm& form, const Vector2d& p0) : hei
 //     mu = (r + q_x) / 2,   u = x + eps y^2 / (4 mu),   v = y / mu.
 Vector2d CylinderFrame::parameters(const Vector2d& p) const {
     const Vector2d a = turned(p - origin_), q(1 + eps_ * a.x(), eps_ * a.y());
-    const double mu = 0.5 * (q.norm() + q.x());
+    const double r = q.norm(), mu = q.x() < 0 ? 0.5 * q.y() * q.y() / (r - q.x()) : 0.5 * (r + q.x());
     return {a.x() + eps_ * a.y() * a.y() / (4 * mu), a.y() / mu};
 }
 

@@ -101,7 +101,7 @@ private:
 class CylinderFrame {
 public:
     CylinderFrame() = default;
-    /// Pre: p0 lies in the base region, or anywhere but in A if the cylinder is hollow.
+    /// Pre: p0 is not A.
     CylinderFrame(const CylinderForm& form, const Eigen::Vector2d& p0);
 
     const CylinderHeight& height() const { return height_; }

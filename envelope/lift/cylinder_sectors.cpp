@@ -94,7 +94,22 @@ CylinderSectors::CylinderSectors(const PlaneDiagram& of, const FaceLoops& loops)
             add_face(of, loops, face);
 }
 
-// One patch is about the mean of points around the face, which lies in the region with them.
+void CylinderSectors::refuse_edges_through_tip(const PlaneDiagram& of, const FaceLoops& loops, FaceId face,
+                                               const CylinderHeight& height) const {
+    const Vector2d A = height.focus();
+    const double error =
+        64 * std::numeric_limits<double>::epsilon() * (A.norm() + height.reach() / height.steep());
+    loops.around(face, [&](EdgeId e, bool) {
+        if (!may_pass(diagram_, e, A, error)) return;
+        throw UndecidedError(
+            "object " + to_string(of.main_site(diagram_.face_forms[face])) +
+            ": an edge of its face may run through the tip of its bisector at " +
+            to_text(Vec3(of.problem.unit * of.problem.frame.to_world({A.x(), A.y(), height.depth()}))));
+    });
+}
+
+// One patch is about the mean of points around the face, which lies in the region with them. From next to the
+// region a face is seen under half a turn: with the mean at one end of that the patch is about the middle.
 void CylinderSectors::add_face(const PlaneDiagram& of, const FaceLoops& loops, FaceId face) {
     const FormId id = diagram_.face_forms[face];
     const CylinderForm& form = of.problem.family.cylinder(id);
@@ -110,30 +125,28 @@ void CylinderSectors::add_face(const PlaneDiagram& of, const FaceLoops& loops, F
         for (const auto& piece : diagram_.pieces(e)) add(piece.end);
     });
     const Vector2d mean = sum / count;
-    if (!form.is_hollow() || of.problem.axes[id.value - diagram_.forms.size()] == AxisToBase::Parallel) {
+    if (of.problem.axes[id.value - diagram_.forms.size()] == AxisToBase::Parallel) {
         frames_[face] = CylinderFrame(form, mean);
         return;
     }
     const CylinderHeight height(form, mean);
     const Vector2d A = height.focus();
-    const double steep = height.steep(),
-                 error = 64 * std::numeric_limits<double>::epsilon() * (A.norm() + height.reach() / steep);
-    loops.around(face, [&](EdgeId e, bool) {
-        if (!may_pass(diagram_, e, A, error)) return;
-        throw UndecidedError(
-            "object " + to_string(of.main_site(id)) +
-            ": an edge of its face may run through the tip of its bisector at " +
-            to_text(Vec3(of.problem.unit * of.problem.frame.to_world({A.x(), A.y(), height.depth()}))));
-    });
+    if (form.is_hollow()) refuse_edges_through_tip(of, loops, face, height);
     const Round round = round_of(loops, face, A);
     holds_tip_[face] = std::lround(round.turn / (2 * pi)) == 1;
     const auto frame_towards = [&](double angle) {
         return CylinderFrame(form, A + round.size * Vector2d(std::cos(angle), std::sin(angle)));
     };
-    if (!round.is_closed && round.to - round.from <= widest_view) {
+    const double middle = 0.5 * (round.from + round.to), view = round.to - round.from;
+    if (!form.is_hollow()) {
+        const double off = std::abs(std::remainder(angle_of(mean - A) - middle, 2 * pi));
+        const bool is_at_end = view > narrow_view && off + 0.5 * view > widest_view;
+        frames_[face] = is_at_end ? frame_towards(middle) : CylinderFrame(form, mean);
+        return;
+    }
+    if (!round.is_closed && view <= widest_view) {
         // From far away, where a tube is all but level, directions tell no place near the face.
-        frames_[face] = round.to - round.from <= narrow_view ? CylinderFrame(form, mean)
-                                                             : frame_towards(0.5 * (round.from + round.to));
+        frames_[face] = view <= narrow_view ? CylinderFrame(form, mean) : frame_towards(middle);
         return;
     }
     const double start = radial::clear_angle(round.of_vertices, sector_count), width = 2 * pi / sector_count;

@@ -57,6 +57,8 @@ public:
 
 private:
     void add_face(const PlaneDiagram& of, const FaceLoops& loops, FaceId face);
+    void refuse_edges_through_tip(const PlaneDiagram& of, const FaceLoops& loops, FaceId face,
+                                  const CylinderHeight& height) const;
 
     const MinimizationDiagram& diagram_;
     IdVector<FaceId, CylinderFrame> frames_;
