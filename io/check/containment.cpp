@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "../../core/numbers/exact.hpp"
 #include "space.hpp"
@@ -175,10 +176,14 @@ bool contains(const Object& holder, const Object& held) {
     return std::visit([](const auto& a, const auto& b) { return surrounds(a, b); }, holder, held);
 }
 
-bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side) {
+namespace {
+
+/// What mirrors the base in a side of the box: a ball, a tube along the side, or a plane, of which the
+/// image's normal leads back. None where a double does not tell it, or a ball's centre or a tube's axis is
+/// not inside.
+std::optional<Object> mirrored_base(const Scene& scene, std::uint32_t side) {
     const auto axis = static_cast<Eigen::Index>(side / 2);
     const double bound = (side % 2 == 0 ? scene.box.min : scene.box.max)[axis];
-    // The image has to be told by a double.
     const auto mirror = [&](double& x) {
         const double image = 2 * bound - x;
         const bool is_exact = (Exact(image) + Exact(x) - 2.0 * Exact(bound)).sign() == Sign::Zero;
@@ -188,15 +193,35 @@ bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t s
     const auto is_inside = [&](double x) { return side % 2 == 0 ? x > bound : x < bound; };
     Object image = scene.base;
     if (auto* plane = std::get_if<Plane>(&image)) {
-        // A vessel is on one side of the image, and on the base's, if anything of it is there.
         plane->normal[axis] = -plane->normal[axis];
-        return is_vessel(holder) && mirror(plane->point[axis]) && contains(holder, image);
+        return mirror(plane->point[axis]) ? std::optional(image) : std::nullopt;
     }
     auto* ball = std::get_if<Sphere>(&image);
     auto* tube = std::get_if<Cylinder>(&image);
-    if (tube != nullptr && tube->axis[axis] != 0) return false;
+    if (tube != nullptr && tube->axis[axis] != 0) return std::nullopt;
     double& x = (ball != nullptr ? ball->center : tube->point)[axis];
-    return is_inside(x) && mirror(x) && contains(holder, image);
+    return is_inside(x) && mirror(x) ? std::optional(image) : std::nullopt;
+}
+
+}  // namespace
+
+bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side) {
+    // Of a plane's image: a vessel is on one side of it, and on the base's, if anything of it is there.
+    const bool is_plane = std::holds_alternative<Plane>(scene.base);
+    if (is_plane && !is_vessel(holder)) return false;
+    const std::optional<Object> image = mirrored_base(scene, side);
+    if (!image) return false;
+    const auto* plane = std::get_if<Plane>(&holder);
+    return contains(holder, *image) || (plane != nullptr && is_across(*plane, scene, *image));
+}
+
+bool mirrored_contains(const Scene& scene, std::uint32_t side, const Object& held) {
+    if (const auto* plane = std::get_if<Plane>(&scene.base)) {
+        const double along = plane->normal[static_cast<Eigen::Index>(side / 2)];
+        if (!(side % 2 == 0 ? along < 0 : along > 0)) return false;
+    }
+    const std::optional<Object> image = mirrored_base(scene, side);
+    return image && base_contains(*image, held);
 }
 
 bool base_contains(const Object& base, const Object& held) {

@@ -12,9 +12,13 @@ namespace vcell::check {
 /// cylinder the axis may have any length.
 bool contains(const Object& holder, const Object& held);
 /// Does it contain what mirrors the base in that side of the box, a tube along it, or as a vessel have it
-/// beyond its wall? Then a point that is as far from it as from the base is inside the side: false where that
-/// is not known.
+/// beyond its wall, or as a plane have it on one side and the base on the other? Then a point that is as far
+/// from it as from the base is inside the side: false where that is not known.
 bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side);
+/// Does what mirrors the base in that side of the box, a plane whose normal leads there with all that is
+/// behind the image, contain all of an object? Inside the side no point is nearer to that than to the base
+/// then: false where that is not known.
+bool mirrored_contains(const Scene& scene, std::uint32_t side, const Object& held);
 /// Does the base contain all of an object, or as a plane have it behind its front?
 bool base_contains(const Object& base, const Object& held);
 

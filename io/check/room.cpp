@@ -29,6 +29,8 @@ bool Room::is_held(const Site& site, std::span<const Condition> own) const {
     if (!site.is_object()) return false;
     const Object& object = scene_.objects[site.index];
     return base_contains(scene_.base, object) || std::ranges::any_of(own, [&](const Condition& c) {
+               if (c.site.kind == Site::Kind::BoxSide && !c.at_rim)
+                   return mirrored_contains(scene_, c.site.index, object);
                if (!c.site.is_object()) return false;
                const Object& holder = scene_.objects[c.site.index];
                const auto* plane = std::get_if<Plane>(&holder);

@@ -308,11 +308,11 @@ private:
                 add(site, cone, forms_.hollow_form(f));
             }
         }
-        // A side may touch what is nearer to the base than to a vessel along it, all along a line.
+        // A side may touch the bisector of what holds the side's mirror image of the base, of a plane along
+        // the axis before that or of a vessel along it, all along a line.
         std::vector<RadialForm> walls;
         for (const Entry& e : entries)
-            if (std::holds_alternative<HollowCylinder>(e.canonical) && !e.form.has_root())
-                walls.push_back(e.form);
+            if (CylinderForms::is_same_along_axis(e.form)) walls.push_back(e.form);
         for (const BoxSide& canonical : canonical_box(walls_, motion_)) {
             const Side side = this->side(canonical.index);
             if (side.is_across_axis() || sides_[canonical.index] != CylinderPart::Wall::Inside) continue;

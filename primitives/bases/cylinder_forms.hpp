@@ -243,12 +243,17 @@ struct CylinderForms {
                 {b.x, Exact(), b.z},
                 {}};
     }
-    // Is f nowhere nearer than g, of forms that are the same all along the axis? Q = 2 B / C of g is more
-    // than that of f by 2 (D W + V.n) / (C C'), which is no less than D - |V| times 2 W / (C C').
+    // What has no root has no A either, and nothing but C changes along the axis.
+    static bool is_same_along_axis(const RadialForm& f) {
+        return !f.has_root() && f.c[1].sign() == Sign::Zero && f.c[2].sign() == Sign::Zero;
+    }
+    // Is f nowhere nearer than g, and not equally near everywhere? Pre: both are the same all along the axis.
+    // Q = 2 B / C of g is more than that of f by (D W + V.n) times 2 / (C C'), which is no less than D - |V|
+    // times 2 W / (C C').
     static bool is_nowhere_nearer(const RadialForm& f, const RadialForm& g) {
         const Exact D = g.b0 * f.c[0] - f.b0 * g.c[0], x = g.b[0] * f.c[0] - f.b[0] * g.c[0],
                     z = g.b[2] * f.c[0] - f.b[2] * g.c[0];
-        return D.sign() != Sign::Negative && (D * D - x * x - z * z).sign() != Sign::Negative;
+        return D.sign() == Sign::Positive && (D * D - x * x - z * z).sign() != Sign::Negative;
     }
     static ExactVector direction(const CylinderForm& f) { return ExactVector(Vec3(f.ax, f.ay, f.az)); }
 

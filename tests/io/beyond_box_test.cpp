@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -10,6 +11,7 @@
 #include "../../envelope/complete_measures.hpp"
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 #include "listing.hpp"
 
@@ -77,6 +79,39 @@ TEST_CASE("certify: proves cells of tubes along a side of their box that reach b
         proved += is_proved(scene_around(base, tube, base.radius, rng), is_upright);
     }
     CHECK(proved >= 5);
+}
+
+// Held by an object, such a mirror image has the side as near as that along a curve at most, and nowhere
+// nearer.
+TEST_CASE("certify: what holds the base as a side of the box mirrors it has all of the side's face") {
+    for (const std::string name :
+         {"line_mirrors_base", "tube_about_mirrored_ball", "wall_before_mirrored_ball",
+          "plane_touches_mirrored_tube", "tube_about_mirrored_tube"}) {
+        CAPTURE(name);
+        const Scene scene = read_scene(test_data("hostile/" + name + ".json"));
+        const Cell cell = voronoi_cell(scene);
+        CHECK(cell.report.decisions.assumed == 0);
+        const Certificate c = certify(cell);
+        CHECK_MESSAGE(c.holds(), listing(c));
+        // The line is held by the side instead.
+        const bool is_of_side = name == "line_mirrors_base";
+        const Site side = Site::box_side(1);
+        CHECK(std::ranges::count(cell.faces, side, &CellFace::site) == (is_of_side ? 1 : 0));
+        CHECK(std::ranges::count(cell.faces, Site::object(0), &CellFace::site) == (is_of_side ? 0 : 1));
+        // Next to the tie nothing is, and cells change little.
+        Scene next = scene;
+        next.box.max.x() -= 0x1p-10;
+        const Cell cut = voronoi_cell(next);
+        CHECK(std::abs(cell.measures.volume - cut.measures.volume) < 0.3);
+        CHECK(std::ranges::count(cut.faces, side, &CellFace::site) > 0);
+    }
+}
+
+TEST_CASE("certify: a line that meets a base plane next to its region") {
+    const Cell cell = voronoi_cell(read_scene(test_data("hostile/tip_next_to_region.json")));
+    const Certificate c = certify(cell);
+    CHECK_MESSAGE(c.holds(), listing(c));
+    for (const CellEdge& edge : cell.edges) CHECK(edge.curve.points.size() < 1000);
 }
 
 }  // namespace vcell
