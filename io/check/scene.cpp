@@ -40,12 +40,6 @@ double extent(const HollowSphere& o) { return o.center.norm() + o.radius; }
 double extent(const HollowCylinder& o) { return o.point.norm() + o.radius; }
 double extent(const HollowCone& o) { return o.apex.norm(); }
 
-Vec2 random_point(std::mt19937_64& rng, const Vec2& lo, const Vec2& hi) {
-    std::uniform_real_distribution<double> unit(0, 1);
-    const double x = unit(rng), y = unit(rng);
-    return lo + Vec2(x, y).cwiseProduct(hi - lo);
-}
-
 double area(const std::vector<Vec2>& polygon) {
     double sum = 0;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -53,6 +47,22 @@ double area(const std::vector<Vec2>& polygon) {
         sum += 0.5 * (p.x() * q.y() - p.y() * q.x());
     }
     return sum;
+}
+
+/// Uniform in a convex polygon, which may be a sliver. Pre: it has three corners.
+Vec2 random_point(std::mt19937_64& rng, const std::vector<Vec2>& polygon) {
+    std::uniform_real_distribution<double> unit(0, 1);
+    const Vec2& corner = polygon[0];
+    double left = area(polygon) * unit(rng), a = unit(rng), b = unit(rng);
+    if (a + b > 1) {
+        a = 1 - a;
+        b = 1 - b;
+    }
+    for (std::size_t i = 1;; ++i) {
+        const Vec2 p = polygon[i] - corner, q = polygon[i + 1] - corner;
+        left -= 0.5 * (p.x() * q.y() - p.y() * q.x());
+        if (left < 0 || i + 2 == polygon.size()) return corner + a * p + b * q;
+    }
 }
 
 /// The part of a convex polygon where a linear function is not negative.
@@ -159,13 +169,8 @@ std::optional<Ray> SceneGeometry::random_ray(std::mt19937_64& rng, double margin
     }
     const std::vector<Vec2>& region = about_region_;
     if (region.size() < 3) return std::nullopt;
-    Vec2 lo = region[0], hi = region[0];
-    for (const Vec2& p : region) {
-        lo = lo.cwiseMin(p);
-        hi = hi.cwiseMax(p);
-    }
-    for (int tries = 0; tries < 100; ++tries) {  // the polygon may be a sliver of its bounds
-        const Vec2 q = random_point(rng, lo, hi);
+    for (int tries = 0; tries < 100; ++tries) {  // walls may leave little of the polygon
+        const Vec2 q = random_point(rng, region);
         const Vec3 p = origin_ + q.x() * across_[0] + q.y() * across_[1];
         const auto is_within = [&](std::uint32_t wall) { return distance_to(wall, p) >= margin; };
         // Walls tell by themselves: a side of the polygon about them may be a rounding, of any direction.

@@ -49,7 +49,8 @@ public:
     /// The base's normal at the foot of p.
     Vec3 up(const Vec3& p) const;
     Ray ray(const Vec3& p) const;
-    /// No base point's ray where the cell has no rays (a base that the box misses). `margin`: from the rim.
+    /// No base point's ray where the cell has no rays (a base that the box misses), or all that are tried
+    /// have their feet within `margin` of the rim.
     std::optional<Ray> random_ray(std::mt19937_64& rng, double margin) const;
 
     double base_area() const;
