@@ -14,6 +14,7 @@
 #include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 #include "hand_built_cells.hpp"
+#include "listing.hpp"
 
 namespace vcell {
 
@@ -459,6 +460,12 @@ TEST_CASE("check_cell: names damage to a computed cell of a cylinder") {
         {"a wrong volume", "measures.volume", [](Cell& c) { c.measures.volume += 1e-2; }},
     };
     for (const Damage& d : damages) expect_named(good, d);
+}
+
+TEST_CASE("certify: samples of a region that is a strip across its bounds") {
+    const Scene scene = read_scene(test_data("hostile/leaning_strip.json"));
+    const Certificate c = certify(voronoi_cell(scene));
+    CHECK_MESSAGE(c.count(Verdict::refuted) == 0, listing(c));
 }
 
 }  // namespace vcell
