@@ -4,11 +4,14 @@
 #include <fmt/ostream.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vcell {
@@ -80,9 +83,16 @@ void write_openpnm(std::ostream& out, const VoidNetwork& network) {
             out << ",,,,,";
         }
         if (i < throats.size()) {
+            // OpenPNM sorts a throat's pores where it is given them anew, and not the image.
             const NetworkEdge& e = *throats[i];
-            fmt::print(out, "{},{},{},{},{},", (*e.vertices)[0], (*e.vertices)[1], image_text(e.image),
-                       2 * e.bottleneck, 2 * e.bottleneck_error);
+            auto [first, second] = *e.vertices;
+            std::array<std::int16_t, 3> image = e.image;
+            if (second < first) {
+                std::swap(first, second);
+                for (std::int16_t& k : image) k = static_cast<std::int16_t>(-k);
+            }
+            fmt::print(out, "{},{},{},{},{},", first, second, image_text(image), 2 * e.bottleneck,
+                       2 * e.bottleneck_error);
             if (std::isfinite(e.length)) fmt::print(out, "{}", e.length);
         } else {
             out << ",,,,,,,";

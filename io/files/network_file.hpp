@@ -18,7 +18,8 @@ void write_network(std::ostream& out, const VoidNetwork& network);
 /// One table with commas between columns, as OpenPNM's network_from_csv() reads it [Gostick16]: a line has a
 /// vertex as a pore and an edge as a throat, columns are blank where there are no more of either.
 /// - `pore.coords[0..2]`, `pore.diameter` of the sphere about the vertex, `pore.error` of both;
-/// - `throat.conns[0..1]`, pores counted from 0, `throat.image[0..2]` of the second one in edges of the box,
+/// - `throat.conns[0..1]`, pores counted from 0, ascending, `throat.image[0..2]` of the second one in edges
+/// of the box,
 ///   `throat.diameter` at the bottleneck, `throat.error` of that, `throat.length` (blank: none is proved).
 /// Closed edges, which join no pores, are left out.
 void write_openpnm(std::ostream& out, const VoidNetwork& network);
