@@ -84,8 +84,10 @@ public:
           lines_(shell, cell, known, chords, keeps_chord, most_triangles) {}
 
     CellMesh mesh() {
-        draw(lines_.sample());
-        if (folded_ > 0) halve_lines_at_folds();
+        std::vector<Vec3> points = lines_.sample();
+        const std::size_t count = points.size();
+        draw(std::move(points));
+        if (folded_ > 0) halve_lines_at_folds(count);
         separate_sides(mesh_, drawn_);
         check_size();
         mesh_.chord = chords_.most;
@@ -123,15 +125,18 @@ private:
     }
     // Where triangles at a line are turned over, its pieces are longer than the surface is straight beside
     // it: these are halved, and of what was drawn meanwhile the mesh stays that has least of them.
-    void halve_lines_at_folds() {
+    // Where folds are few so are the points that unfold them; a sliver that is thinner than any chord takes
+    // them without end.
+    void halve_lines_at_folds(std::size_t count) {
         constexpr int most_rounds = 8;
+        constexpr std::size_t most_growth = 4;
         CellMesh best = mesh_;
         auto drawn_of_best = drawn_;
         double least = folded_;
         try {
             for (int i = 0; i < most_rounds && folded_ > 0; ++i) {
                 std::optional<std::vector<Vec3>> points = lines_.sample_halving(at_folds_);
-                if (!points) break;
+                if (!points || points->size() > most_growth * count) break;
                 draw(*std::move(points));
                 if (!(folded_ < least)) continue;
                 best = mesh_;

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
+
+#include <Eigen/Geometry>
 
 namespace vcell {
 
@@ -93,6 +96,55 @@ private:
     std::vector<std::uint32_t> ring_;
 };
 
+/// The positions of a ring that are left, by the coordinate along which it is longer.
+class LeftOfRing {
+public:
+    LeftOfRing(const std::vector<Point>& points, const std::vector<std::uint32_t>& ring)
+        : order_(ring.size()), place_(ring.size()), left_(ring.size() + 1) {
+        Eigen::AlignedBox2d box;
+        for (const std::uint32_t p : ring) box.extend(points[p]);
+        axis_ = box.sizes().x() < box.sizes().y() ? 1 : 0;
+        // Coordinates that are no numbers have an order, too.
+        const auto along = [&](std::size_t i) {
+            const double x = points[ring[i]][axis_];
+            return std::isnan(x) ? -std::numeric_limits<double>::infinity() : x;
+        };
+        std::iota(order_.begin(), order_.end(), std::size_t(0));
+        std::ranges::sort(order_, {}, along);
+        std::iota(left_.begin(), left_.end(), std::size_t(0));
+        for (std::size_t k = 0; k < order_.size(); ++k) {
+            place_[order_[k]] = k;
+            along_.push_back(along(order_[k]));
+        }
+    }
+
+    void remove(std::size_t i) { left_[place_[i]] = place_[i] + 1; }
+
+    /// Does it hold for a position that is left, of those beside the triangle?
+    template <class Holds>
+    bool any_beside(const Point& a, const Point& b, const Point& c, Holds&& holds) {
+        const auto [low, high] = std::minmax({a[axis_], b[axis_], c[axis_]});
+        const auto first = std::ranges::lower_bound(along_, low);
+        for (std::size_t k = first_left(static_cast<std::size_t>(first - along_.begin()));
+             k < along_.size() && along_[k] <= high; k = first_left(k + 1))
+            if (holds(order_[k])) return true;
+        return false;
+    }
+
+private:
+    // At that place or later; what was passed on the way is skipped by halves the next time.
+    std::size_t first_left(std::size_t k) {
+        while (left_[k] != k) k = left_[k] = left_[left_[k]];
+        return k;
+    }
+
+    Eigen::Index axis_ = 0;
+    std::vector<double> along_;       // ascending
+    std::vector<std::size_t> order_;  // positions by their coordinate
+    std::vector<std::size_t> place_;  // of positions in this order
+    std::vector<std::size_t> left_;   // the place itself, or a later one where its position was removed
+};
+
 /// Ear clipping: any ring of n vertices becomes n - 2 triangles, good ones if the ring is a polygon.
 std::vector<Triangle> clip_ears(const std::vector<Point>& points, const std::vector<std::uint32_t>& ring) {
     std::vector<Triangle> triangles;
@@ -102,29 +154,34 @@ std::vector<Triangle> clip_ears(const std::vector<Point>& points, const std::vec
         next[i] = (i + 1) % n;
         prev[i] = (i + n - 1) % n;
     }
+    LeftOfRing all_left(points, ring);
     const auto at = [&](std::size_t i) -> const Point& { return points[ring[i]]; };
     const auto is_ear = [&](std::size_t i) {
         const Point &a = at(prev[i]), &b = at(i), &c = at(next[i]);
         if (!(turn(a, b, c) > 0)) return false;
-        for (std::size_t j = next[next[i]]; j != prev[i]; j = next[j]) {
+        return !all_left.any_beside(a, b, c, [&](std::size_t j) {
             const Point& p = at(j);
-            if (p == a || p == b || p == c) continue;
-            if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
-        }
-        return true;
+            return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 &&
+                   turn(c, a, p) >= 0;
+        });
     };
-    std::size_t i = 0, failures = 0;
+    // A polygon has an ear after few vertices that are none; what rounding has crossed may ask for all each
+    // time.
+    constexpr std::size_t most_failures_of_each = 256;
+    std::size_t i = 0, failures = 0, of_all = 0;
     for (std::size_t left = n; left > 2;) {
         // A whole round without an ear: the ring is no polygon as far as rounding can tell. Any vertex will
         // do.
-        if (failures <= left && !is_ear(i)) {
+        if (failures <= left && of_all <= most_failures_of_each * n && !is_ear(i)) {
             i = next[i];
             ++failures;
+            ++of_all;
             continue;
         }
         triangles.push_back({ring[prev[i]], ring[i], ring[next[i]]});
         next[prev[i]] = next[i];
         prev[next[i]] = prev[i];
+        all_left.remove(i);
         // Skipping the neighbour spreads the cuts, so that no vertex collects a fan of slivers.
         i = next[next[i]];
         failures = 0;
