@@ -90,9 +90,8 @@ public:
         for (std::size_t v = 0; v < cell_.vertices.size(); ++v) vertex(v, unfolding.vertices[v]);
         print("</g>\n");
         for (const Unfolding::Panel& panel : unfolding.panels)
-            print("<text class=\"panel\" x=\"{}\" y=\"{}\">{}</text>\n",
-                  paths_.number(panel.low.x() + size_ / 200), paths_.number(-panel.low.y() - size_ / 200),
-                  panel.name);
+            print("<text class=\"words panel\" {}>{}</text>\n",
+                  in_pixels(panel.low + Vec2::Constant(size_ / 200)), panel.name);
         for (std::size_t f = 0; f < cell_.faces.size(); ++f) label(f, unfolding.faces[f]);
         label_levels();
         legend(low, high);
@@ -206,8 +205,8 @@ private:
             paths_.number(stroke), paths_.number(2 * stroke), paths_.number(0.6 * stroke));
         print(
             "rect.panel{{fill:none;stroke:#888888;stroke-width:{0};stroke-dasharray:{1}}}\n"
-            "text.panel{{fill:#444444;font-family:sans-serif;font-size:{2}px}}\n",
-            paths_.number(0.6 * stroke), paths_.number(2 * stroke), paths_.number(size_ / 50));
+            "text.panel{{fill:#444444}}\n",
+            paths_.number(0.6 * stroke), paths_.number(2 * stroke));
         print(
             ".words{{fill:#222222;font-family:sans-serif;font-size:{}px;pointer-events:none}}\n"
             "text.label{{text-anchor:middle}}\n.bar{{fill:none;stroke:#222222;stroke-width:1.5}}\n",

@@ -1,11 +1,14 @@
 #include "unfold.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "../../primitives/bases/radial_base.hpp"
@@ -20,7 +23,6 @@ using Directions = std::vector<Vec3>;  // canonical points; over a sphere only t
 
 /// A side of the cube or box, seen from outside, and its place in the picture.
 struct Side {
-    const char* name;
     Vec3 right, up, out;
     int column, row;
 
@@ -28,12 +30,12 @@ struct Side {
     Vec3 global(const Vec3& p) const { return p.x() * right + p.y() * up + p.z() * out; }
 };
 
-const std::array<Side, 6> all_sides{{{"-x", {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, -1, 0},
-                                     {"+z", {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0, 0},
-                                     {"+x", {0, 0, -1}, {0, 1, 0}, {1, 0, 0}, 1, 0},
-                                     {"-z", {-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 2, 0},
-                                     {"+y", {1, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0, 1},
-                                     {"-y", {1, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0, -1}}};
+const std::array<Side, 6> all_sides{{{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, -1, 0},
+                                     {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0, 0},
+                                     {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, 1, 0},
+                                     {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 2, 0},
+                                     {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0, 1},
+                                     {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0, -1}}};
 
 void add_cut(std::vector<double>& cuts, double from, double to) {
     if (from * to < 0) cuts.push_back(from / (from - to));
@@ -202,9 +204,20 @@ private:
     void add_panels() {
         for (const Side& side : std::span(all_sides).first(Sides::side_count)) {
             panels_.push_back({side, {side, sides_}, sides_.middle(side)});
-            result_.panels.push_back(
-                {side.name, panels_.back().middle - sides_.half(), panels_.back().middle + sides_.half()});
+            result_.panels.push_back({world_name(side.out), panels_.back().middle - sides_.half(),
+                                      panels_.back().middle + sides_.half()});
         }
+    }
+    /// Where it points in the world: "+x", or of a tube along no axis of it "(0.89, 0, -0.45)".
+    std::string world_name(const Vec3& direction) const {
+        const Vec3 world = frame_.rotation.transpose() * direction;
+        std::array<std::string, 3> parts;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = std::round(100 * world[static_cast<Eigen::Index>(k)]) / 100;
+            if (std::abs(x) == 1) return (x > 0 ? "+" : "-") + std::string(1, "xyz"[k]);
+            parts[k] = fmt::format("{:g}", x == 0 ? 0.0 : x);
+        }
+        return fmt::format("({}, {}, {})", parts[0], parts[1], parts[2]);
     }
 
     struct Panel {

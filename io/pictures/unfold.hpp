@@ -18,7 +18,7 @@ struct Unfolding {
     using Polyline = std::vector<Vec2>;
 
     struct Panel {
-        std::string name;  ///< "+x"
+        std::string name;  ///< where it points in the world: "+x", or "(0.89, 0, -0.45)"
         Vec2 low, high;
     };
     std::vector<Panel> panels;

@@ -144,11 +144,18 @@ TEST_CASE(
         REQUIRE(picture.panels.size() == 4);
         const BaseFrame frame = radial_base_problem(scene).frame;
         const double radius = std::get<Cylinder>(scene.base).radius;
-        for (const auto& panel : picture.panels)
+        const std::array<std::string, 4> sides{"-x", "+z", "+x", "-z"};  // canonical axes
+        for (std::size_t s = 0; s < sides.size(); ++s) {
+            const Unfolding::Panel& panel = picture.panels[s];
+            // Panels are named after where they point in the world.
+            const Vec3 out = frame.rotation.transpose() * direction(sides[s], Vec2::Zero());
+            const bool is_axis = panel.name[0] != '(';
+            CHECK((is_axis || !frame.is_axis_parallel()));
+            if (is_axis) CHECK((direction(panel.name, Vec2::Zero()) - out).norm() < 0.1);
             for (int k = 0; k < 100; ++k) {
                 const Vec2 middle = 0.5 * (panel.low + panel.high), half = 0.5 * (panel.high - panel.low);
                 const Vec2 q(unit(rng), unit(rng)), p = middle + q.cwiseProduct(half);
-                Vec3 across = direction(panel.name, {q.x(), 0});
+                Vec3 across = direction(sides[s], {q.x(), 0});
                 across.normalize();
                 const Vec3 u = frame.rotation.transpose() * across;
                 const Vec3 foot = frame.to_world(Vec3(0, p.y(), 0) + radius * across);
@@ -170,5 +177,6 @@ TEST_CASE(
                 }
                 CHECK(count == 1);
             }
+        }
     }
 }
