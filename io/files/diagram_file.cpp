@@ -30,6 +30,16 @@ void pad(std::vector<std::string>& texts, std::size_t count) {
     if (!texts.empty()) texts.resize(count);
 }
 
+/// What repeats is told by a file's box or the user's: room about the balls would repeat with them.
+Box box_of(const std::optional<Box>& told, std::span<const Sphere> balls,
+           const DiagramSceneOptions& options) {
+    if (told) return *told;
+    if (options.periodic && std::ranges::find(*options.periodic, true) != options.periodic->end())
+        throw InputError(InputError::Kind::MissingKey, InputError::no_object, "--box",
+                         "missing: balls do not tell the box that repeats");
+    return default_box(balls, std::nullopt);
+}
+
 DiagramScene parse_text(std::string_view text, const DiagramSceneOptions& options) {
     DiagramScene scene;
     std::vector<Sphere> balls;
@@ -44,7 +54,7 @@ DiagramScene parse_text(std::string_view text, const DiagramSceneOptions& option
                     });
     pad(scene.names, balls.size());
     pad(scene.groups, balls.size());
-    scene.box = options.box ? *options.box : default_box(balls, std::nullopt);
+    scene.box = box_of(options.box, balls, options);
     scene.objects.assign(balls.begin(), balls.end());
     return scene;
 }
@@ -56,8 +66,7 @@ DiagramScene scene_of(BallFile file, const DiagramSceneOptions& options) {
     scene.periodic = file.periodic;
     scene.tilt = file.tilt;
     if (!file.units.empty()) scene.units = file.units;
-    const std::optional<Box>& box = options.box ? options.box : file.box;
-    scene.box = box ? *box : default_box(file.balls, std::nullopt);
+    scene.box = box_of(options.box ? options.box : file.box, file.balls, options);
     scene.objects.assign(file.balls.begin(), file.balls.end());
     return scene;
 }

@@ -297,6 +297,10 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(bad.status == 2);
     CHECK(bad.err.find("bad.txt: line 1: must be x y z r [name [group]], has 3 of the 4 numbers") !=
           std::string::npos);
+    // Room about the balls would repeat with them.
+    const Outcome boxless = work.run("diagram balls.txt --periodic xyz");
+    CHECK(boxless.status == 2);
+    CHECK(boxless.err.find("--box: missing: balls do not tell the box that repeats") != std::string::npos);
     const Outcome plane = work.run("diagram plane.json");
     CHECK(plane.status == 2);
     CHECK(plane.err.find("objects[0].plane: is no ball") != std::string::npos);
