@@ -2,10 +2,8 @@
 #include "../../io/pictures/diagram_output.hpp"
 
 #include <doctest/doctest.h>
-#include <stdlib.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <regex>
 #include <set>
@@ -14,28 +12,16 @@
 #include <vector>
 
 #include "../../io/files/files.hpp"
+#include "temporary_directory.hpp"
 #include "vtu_arrays.hpp"
 
 namespace vcell {
 
-namespace fs = std::filesystem;
 using testing::array_of;
 using testing::take;
+using testing::TemporaryDirectory;
 
 namespace {
-
-/// An empty folder that goes with the object.
-struct Folder {
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "vcell_diagram_output.XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const char* name) const { return (path / name).string(); }
-
-    fs::path path;
-};
 
 /// Balls, one of them with a name that is not ASCII, over a plane and beside a tube.
 DiagramScene mixed_scene() {
@@ -64,7 +50,7 @@ std::vector<std::string> matches(const std::string& text, const std::string& pat
 }  // namespace
 
 TEST_CASE("diagram files: exact formats have every cell") {
-    const Folder folder;
+    const TemporaryDirectory folder;
     const DiagramScene scene = mixed_scene();
     DiagramFiles files({folder.file("all.step"), folder.file("all.itd"), folder.file("all.bezier.vtu")});
     std::map<std::uint32_t, int> cells;
@@ -78,7 +64,7 @@ TEST_CASE("diagram files: exact formats have every cell") {
     const VoronoiDiagram diagram = files.compute(scene, options);
     CHECK(filled_volume(scene, diagram).fills());
     CHECK(files.without_faces().empty());
-    CHECK(fs::is_empty(folder.path));
+    CHECK(folder.count() == 0);
     files.commit();
     // The plane has a cell on either side.
     CHECK(cells == std::map<std::uint32_t, int>{{0, 1}, {1, 1}, {2, 2}, {3, 1}});
@@ -111,7 +97,7 @@ TEST_CASE("diagram files: exact formats have every cell") {
 }
 
 TEST_CASE("diagram files: images are named by their objects") {
-    const Folder folder;
+    const TemporaryDirectory folder;
     DiagramScene scene;
     scene.box = {{0, 0, 0}, {2, 2, 2}};
     scene.periodic = {true, true, true};
@@ -130,7 +116,7 @@ TEST_CASE("diagram files: images are named by their objects") {
 }
 
 TEST_CASE("diagram files: cells that have measures alone are named") {
-    const Folder folder;
+    const TemporaryDirectory folder;
     DiagramScene scene;
     scene.box = {{-2, -2, -2}, {2, 2, 2}};
     scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.25}, HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1.5},
@@ -144,7 +130,7 @@ TEST_CASE("diagram files: cells that have measures alone are named") {
 }
 
 TEST_CASE("diagram files: wrong ones are told before anything is computed") {
-    const Folder folder;
+    const TemporaryDirectory folder;
     const auto complaint = [&](const std::vector<std::string>& paths,
                                const DiagramFileOptions& options = {}) {
         try {
@@ -160,7 +146,7 @@ TEST_CASE("diagram files: wrong ones are told before anything is computed") {
     CHECK(complaint({folder.file("all.obj"), folder.file("all.stl")}).empty());
     CHECK(complaint({folder.file("a.stl"), folder.file("a.stl")}).find("given twice") != std::string::npos);
     CHECK_THROWS_AS(DiagramFiles({folder.file("absent/all.stl")}), WriteError);
-    CHECK(fs::is_empty(folder.path));
+    CHECK(folder.count() == 0);
 }
 
 }  // namespace vcell

@@ -11,28 +11,15 @@
 #include <string>
 #include <utility>
 
+#include "temporary_directory.hpp"
+
 using namespace vcell;
 namespace fs = std::filesystem;
+using testing::TemporaryDirectory;
 
 namespace {
 
 constexpr OutputFile::Unfinished both[] = {OutputFile::Unfinished::Nameless, OutputFile::Unfinished::Hidden};
-
-/// An empty directory that goes with the object.
-class TemporaryDirectory {
-public:
-    TemporaryDirectory() {
-        std::string name = (fs::temp_directory_path() / "vcell_files_test.XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path_ = name;
-    }
-    ~TemporaryDirectory() { fs::remove_all(path_); }
-    std::string file(const char* name) const { return (path_ / name).string(); }
-    auto count() const { return std::distance(fs::directory_iterator(path_), fs::directory_iterator()); }
-
-private:
-    fs::path path_;
-};
 
 }  // namespace
 
