@@ -130,12 +130,13 @@ std::optional<Apex> ApexFinder::find() {
     return apex;
 }
 
-// More than three forms that tie in the apex but for noise, as the gradients of those that touch do.
+// Four forms that tie in the apex but for noise, as the gradients of those that touch do. More may differ by
+// more than that noise where they come together.
 std::optional<Apex> ApexFinder::find_touching_in_noise(Apex apex,
                                                        std::span<const std::array<std::size_t, 2>> touching,
                                                        std::span<const HeightJet<Wide>> jets) const {
     const std::vector<Spread>& r = work_.rivals;
-    if (r.size() < 4) return std::nullopt;
+    if (r.size() != 4) return std::nullopt;
     const int noise = jets[0].v.magnitude_exponent() + noise_exponent;
     const Interval bx(work_.piece.box[0], work_.piece.box[1]), by(work_.piece.box[2], work_.piece.box[3]);
     for (std::size_t i = 0; i < r.size(); ++i)
