@@ -21,6 +21,7 @@
 #include "../envelope/vertex_refinement.hpp"
 #include "../io/files/text.hpp"
 #include "../io/io.hpp"
+#include "../io/pictures/site_style.hpp"
 #include "check_command.hpp"
 #include "command.hpp"
 #include "diagram_command.hpp"
@@ -195,8 +196,7 @@ private:
         if (out.format == "mtl") write_mtl(stream, cell);
         if (!is_mesh_format(out.format)) return;
         LabelledMesh labelled;
-        const auto base = cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1;
-        labelled.add(base, cell, *mesh);
+        labelled.add(base_number(cell.scene), cell, *mesh);
         write_mesh(stream, out.format, labelled);
     }
 

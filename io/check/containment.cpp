@@ -206,7 +206,7 @@ std::optional<Object> mirrored_base(const Scene& scene, std::uint32_t side) {
 }  // namespace
 
 bool contains_mirrored(const Object& holder, const Scene& scene, std::uint32_t side) {
-    // Of a plane's image: a vessel is on one side of it, and on the base's, if anything of it is there.
+    // A vessel is on one side of a plane's image, and on the base's, if anything of it is there.
     const bool is_plane = std::holds_alternative<Plane>(scene.base);
     if (is_plane && !is_vessel(holder)) return false;
     const std::optional<Object> image = mirrored_base(scene, side);

@@ -236,7 +236,7 @@ public:
     }
 
 private:
-    // Of the volume under a span, by the rule of few points that another program may take.
+    // Another program may take a rule of few points: the volume under a span is that accurate by it.
     double accuracy() const {
         constexpr double part = 1e-9;
         const double size = cell_diagonal(joined_.cell), volume = joined_.cell.measures.volume;

@@ -13,6 +13,7 @@
 #include "../../envelope/whole/void_network.hpp"
 #include "../files/files.hpp"
 #include "mesh_formats.hpp"
+#include "site_style.hpp"
 #include "vtk_arrays.hpp"
 
 namespace vcell {
@@ -116,7 +117,7 @@ void BezierElements::end(std::uint8_t type, std::array<int, 2> degrees, const El
 
 void write_bezier_vtu(std::ostream& out, const Cell& cell) {
     BezierElements elements;
-    elements.add(cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1, cell);
+    elements.add(base_number(cell.scene), cell);
     elements.write(out);
 }
 

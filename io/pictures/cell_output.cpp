@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 
@@ -15,6 +14,7 @@
 #include "mesh_formats.hpp"
 #include "obj.hpp"
 #include "page.hpp"
+#include "site_style.hpp"
 #include "svg.hpp"
 
 namespace vcell {
@@ -48,8 +48,7 @@ void write_as_named(const std::string& path, const Cell& cell, const CellMesh* m
     if (format == "itd") write_itd(out, cell);
     if (is_labelled) {
         LabelledMesh labelled;
-        labelled.add(cell.scene.base_object ? static_cast<std::int32_t>(*cell.scene.base_object) : -1, cell,
-                     triangles());
+        labelled.add(base_number(cell.scene), cell, triangles());
         write_mesh(out, format, labelled);
     }
     file.commit();

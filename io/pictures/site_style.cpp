@@ -75,6 +75,10 @@ std::string site_title(const Scene& scene, Site site) {
     return (site.kind == Site::Kind::BoxSide ? "box side " : "end ") + name.substr(name.find(':') + 1);
 }
 
+std::int32_t base_number(const Scene& scene) {
+    return scene.base_object ? static_cast<std::int32_t>(*scene.base_object) : -1;
+}
+
 std::string cell_title(std::int32_t number, const Cell& cell) {
     std::string title = number < 0 ? "cell" : "cell " + std::to_string(number);
     if (!cell.scene.base_name.empty()) title += " (" + cell.scene.base_name + ")";

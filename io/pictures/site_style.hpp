@@ -27,6 +27,9 @@ std::unordered_map<std::uint32_t, std::size_t> object_colours(const Cell& cell);
 /// "object 3 (O1)", "the base", "box side -x", "end +", "the cap".
 std::string site_title(const Scene& scene, Site site);
 
+/// The number of the base among the objects; -1 of a scene that does not number it.
+std::int32_t base_number(const Scene& scene);
+
 /// "cell 7 (O1)"; below 0 the base has no number.
 std::string cell_title(std::int32_t number, const Cell& cell);
 

@@ -18,7 +18,7 @@ void check_certified(const Cell& cell) {
     CHECK(c.holds());
 }
 
-// The same cell as in a box of which that side is elsewhere, but for that side.
+// A box of which that side is elsewhere leaves the cell as it is, as the side touches it and no more.
 void check_hidden(const Scene& scene, std::uint32_t side, double elsewhere) {
     const Cell cell = voronoi_cell(scene);
     CHECK(cell.report.decisions.assumed == 0);
