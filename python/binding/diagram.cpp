@@ -124,7 +124,8 @@ void bind_table(py::module_& m) {
                 for (const DiagramCell& c : d.diagram.cells) result.append(name_of(c.state));
                 return result;
             },
-            "\"computed\", \"empty\" (in another object, or equal to one), \"undecided\" or \"refused\".")
+            "\"computed\", \"empty\" (in another object, or equal to one), \"undecided\", \"refused\" or \"wall\" "
+            "(ends others' cells and has none).")
         .def_property_readonly(
             "reasons",
             [](const Diagram& d) {
@@ -132,7 +133,7 @@ void bind_table(py::module_& m) {
                 for (const DiagramCell& c : d.diagram.cells) result.append(c.reason);
                 return result;
             },
-            "Of the states; empty for computed cells.")
+            "Why a cell has its state: empty for computed ones.")
         .def_property_readonly("volume", cells<double>([](auto& c) { return c.volume; }), "Shape (n,).")
         .def_property_readonly("volume_error", cells<double>([](auto& c) { return c.volume_error; }),
                                "Shape (n,).")
