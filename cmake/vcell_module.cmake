@@ -1,14 +1,18 @@
-# One module, one static library: vcell_module(name [BESIDE_JOINED] SOURCES ... [DEPENDS modules ...]).
+# One module, one static library: vcell_module(name [BESIDE_JOINED] [TOGETHER count] SOURCES ... [DEPENDS modules ...]).
 # The target is vcell_<name> (vcell::<name> for users), the archive libvcell_<name>.a. Headers lie beside
 # the sources; <vcell/module/header.hpp> finds them in the build tree as it does installed. BESIDE_JOINED: it is no part
-# of libvcell.a, which is what it links where it is installed.
+# of libvcell.a, which is what it links where it is installed. TOGETHER: how many sources are compiled at a time, 8 if it
+# is left out.
 function(vcell_module name)
-  cmake_parse_arguments(ARG "BESIDE_JOINED" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "BESIDE_JOINED" "TOGETHER" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_TOGETHER)
+    set(ARG_TOGETHER 8)
+  endif()
   add_library(vcell_${name} STATIC ${ARG_SOURCES})
   add_library(vcell::${name} ALIAS vcell_${name})
   set_target_properties(vcell_${name} PROPERTIES EXPORT_NAME ${name})
   vcell_usage(vcell_${name})
-  vcell_in_eights(vcell_${name})
+  vcell_together(vcell_${name} ${ARG_TOGETHER})
   if(name STREQUAL "core")
     target_precompile_headers(vcell_core PRIVATE ${vcell_precompiled_headers})
   else()
@@ -30,12 +34,9 @@ function(vcell_module name)
   endif()
 endfunction()
 
-# With VCELL_UNITY the target's sources are compiled eight at a time, so names in their anonymous namespaces must differ,
-# and a template there that takes anything must not have the name of a function in a header: it would hide that one from
-# the sources behind.
-function(vcell_in_eights target)
-  vcell_together(${target} 8)
-endfunction()
+# With VCELL_UNITY so many of the target's sources are compiled at a time, so names in their anonymous namespaces must
+# differ, and a template there that takes anything must not have the name of a function in a header: it would hide that
+# one from the sources behind.
 function(vcell_together target count)
   if(NOT VCELL_UNITY OR count LESS 2)
     return()

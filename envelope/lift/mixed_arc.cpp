@@ -179,8 +179,10 @@ public:
         const Vector3d &c = frame_.height().point(), &d = frame_.height().axis();
         const double rho = frame_.height().rho(), norm = normal_.norm(), S = frame_.height().sine(),
                      K = frame_.height().cosine();
-        const Eigen::Matrix3d turn =
-            Eigen::Quaterniond::FromTwoVectors(d, Vector3d::UnitY()).toRotationMatrix();
+        // Eigen's FromTwoVectors has an SVD for opposite ones, which takes five seconds to compile.
+        const Vector3d across = d.unitOrthogonal();
+        Eigen::Matrix3d turn;
+        turn << across.transpose(), d.transpose(), across.cross(d).transpose();
         const double side = frame_.height().side();
         double far = c.norm() + frame_.height().reach() + rho;
         const auto moved = [&](const Vector4d& X, double w) -> Vector4d {

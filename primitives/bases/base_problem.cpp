@@ -5,6 +5,9 @@
 
 namespace vcell {
 
+Vec3 BaseFrame::to_canonical(const Vec3& world) const { return rotation * (world - origin); }
+Vec3 BaseFrame::to_world(const Vec3& canonical) const { return rotation.transpose() * canonical + origin; }
+
 void FormSites::settle() {
     if (joined_.empty()) return;
     for (const FormId f : ids())

@@ -28,8 +28,8 @@ struct BaseFrame {
     Vec3 origin = Vec3::Zero();
 
     bool is_axis_parallel() const { return (rotation.array() == 0).count() == 6; }
-    Vec3 to_canonical(const Vec3& world) const { return rotation * (world - origin); }
-    Vec3 to_world(const Vec3& canonical) const { return rotation.transpose() * canonical + origin; }
+    Vec3 to_canonical(const Vec3& world) const;
+    Vec3 to_world(const Vec3& canonical) const;
 };
 
 /// A side of the base region: which side of the box cuts the base plane there.
