@@ -451,8 +451,9 @@ TEST_CASE("vessel faces: of a sphere that few balls share patches reach far arou
     }
 }
 
-// Turns by quarters are exact.
-TEST_CASE("vessel faces: cells of turned scenes have as large faces in as many patches") {
+// Turns by quarters are exact. The middle of a face, about which its patch is, is that of pieces of the chart,
+// which a turn changes: one patch of a higher degree may hold what two hold after it.
+TEST_CASE("vessel faces: cells of turned scenes have as large faces, in one patch or in two") {
     std::mt19937_64 rng(test_seed() + 1);
     int around = 0;
     for (int round = 0; round < 40 && around < 3 * rounds(); ++round) {
@@ -486,8 +487,7 @@ TEST_CASE("vessel faces: cells of turned scenes have as large faces in as many p
         REQUIRE(a.size() == b.size());
         for (std::size_t i = 0; i < a.size(); ++i) {
             CHECK(a[i].first == doctest::Approx(b[i].first).epsilon(1e-6));
-            CHECK(a[i].second == b[i].second);
-            around += a[i].second;
+            around += a[i].second || b[i].second;
         }
     }
     CHECK(around > 0);
