@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "../pictures/sampled_line.hpp"
 #include "../pictures/trims.hpp"
 #include "trim_fit.hpp"
 
@@ -250,20 +251,31 @@ private:
     // how far trims are from the edge, or its error if that is more; none where that is too far.
     std::optional<double> carry(const Pair& pair, std::vector<std::pair<PlacedTrim, TrimCurve>>& trims,
                                 std::vector<PlacedTrim>& points) {
-        const CellEdge &e = edge(pair.first.edge), &other = edge(pair.second.edge);
-        double error = std::max(e.error, other.error);
+        // Where both edges run through their curves alike they are the same trims, over domains of the first
+        // edge's.
+        EndMap ends = ends_along(pair, false);
+        double error = std::max(edge(pair.first.edge).error, edge(pair.second.edge).error);
+        const RationalCurve3& curve = edge(pair.first.edge).curve;
+        const bool is_alike = std::ranges::all_of(pair.second.trims, [&](const PlacedTrim& place) {
+            const auto [from, to] = ends_of(trim(place), pair, ends);
+            return from == to || distance_along(curve, carried(trim(place), pair, from, to),
+                                                surface(place)) <= std::max(error, enough_ * most_);
+        });
+        if (!is_alike) ends = ends_along(pair, true);
         for (const PlacedTrim& place : pair.second.trims) {
-            const RationalPatch& surface = cell().faces[place.face].patches[place.patch].surface;
-            TrimCurve c = carried(trim(place), pair);
-            double off = distance_along(e.curve, c, surface);
+            const auto [from, to] = ends_of(trim(place), pair, ends);
+            // Where a seam cuts the edge in its end.
+            if (from == to) {
+                if (!is_at(trim(place), surface(place), curve.evaluate(from))) return std::nullopt;
+                points.push_back(place);
+                continue;
+            }
+            TrimCurve c = carried(trim(place), pair, from, to);
+            double off = distance_along(curve, c, surface(place));
             if (off > std::max(error, enough_ * most_)) {
-                TrimCurve fit = fitted(trim(place), pair, surface);
-                // Where a seam cuts the edge in its end.
-                if (!(fit.curve.domain_begin() < fit.curve.domain_end())) {
-                    points.push_back(place);
-                    continue;
-                }
-                const double off_fit = distance_along(e.curve, fit, surface);
+                TrimCurve fit = fitted_trim(trim(place), surface(place), curve, from, to, enough_ * most_);
+                fit.edge = pair.first.edge;
+                const double off_fit = distance_along(curve, fit, surface(place));
                 if (off_fit < off && runs_beside(fit, trim(place))) {
                     off = off_fit;
                     c = std::move(fit);
@@ -276,38 +288,74 @@ private:
         return error;
     }
 
-    // Where both edges run through their curves alike it is the same trim, over a domain of the first edge's.
-    TrimCurve carried(TrimCurve c, const Pair& pair) {
-        const RationalCurve3 &curve = edge(pair.first.edge).curve, &other = edge(pair.second.edge).curve;
-        const bool is_along = pair.first.reversed == pair.second.reversed;
-        const auto at = [&](double t) {
-            const double s = (edge_parameter(c, other, t) - other.domain_begin()) /
-                             (other.domain_end() - other.domain_begin());
-            return break_near(
-                pair.first,
-                curve.domain_begin() + (is_along ? s : 1 - s) * (curve.domain_end() - curve.domain_begin()));
+    // Is all of a trim at that place, by its ends and its middle?
+    bool is_at(const TrimCurve& c, const RationalPatch& surface, const Vec3& place) const {
+        const double begin = c.curve.domain_begin(), end = c.curve.domain_end();
+        const auto is_near = [&](double t) {
+            const Vec2 uv = c.curve.evaluate(t);
+            return (surface.evaluate(uv.x(), uv.y()) - place).norm() < most_;
         };
-        const double from = at(c.curve.domain_begin()), to = at(c.curve.domain_end());
-        c.edge = pair.first.edge;
-        return over_range(std::move(c), curve, from, to);
+        return is_near(begin) && is_near(0.5 * (begin + end)) && is_near(end);
     }
 
-    // Elsewhere it is fitted anew.
-    TrimCurve fitted(const TrimCurve& old, const Pair& pair, const RationalPatch& surface) {
+    const RationalPatch& surface(const PlacedTrim& place) {
+        return cell().faces[place.face].patches[place.patch].surface;
+    }
+
+    // ---- Ends of trims
+
+    /// Where trims along the second edge end, ascending in its parameters, and where that is on the first
+    /// one: those that end where others begin have one place there, too, or the loops would not close.
+    struct EndMap {
+        std::vector<double> there, here;
+    };
+
+    EndMap ends_along(const Pair& pair, bool by_distance) {
         const RationalCurve3 &curve = edge(pair.first.edge).curve, &other = edge(pair.second.edge).curve;
+        EndMap ends;
+        std::vector<double>& there = ends.there;
+        there = {other.domain_begin(), other.domain_end()};
+        for (const PlacedTrim& place : pair.second.trims)
+            for (const double t : {trim(place).curve.domain_begin(), trim(place).curve.domain_end()})
+                there.push_back(edge_parameter(trim(place), other, t));
+        settle_breaks(there);
         // Ends of the edge are ends of the other one; where a seam cuts it, it is the nearest point.
         const bool is_along = pair.first.reversed == pair.second.reversed;
+        for (const double t : there) {
+            if (t == there.front() || t == there.back()) {
+                ends.here.push_back((t == there.front()) == is_along ? curve.domain_begin()
+                                                                     : curve.domain_end());
+                continue;
+            }
+            const double s = (t - other.domain_begin()) / (other.domain_end() - other.domain_begin()),
+                         part = is_along ? s : 1 - s;
+            ends.here.push_back(break_near(
+                pair.first, by_distance ? nearest_on(curve, other.evaluate(t))
+                                        : (1 - part) * curve.domain_begin() + part * curve.domain_end()));
+        }
+        // Places that change their order are one.
+        for (std::size_t i = 1; i < ends.here.size(); ++i)
+            ends.here[i] = is_along ? std::max(ends.here[i - 1], ends.here[i])
+                                    : std::min(ends.here[i - 1], ends.here[i]);
+        return ends;
+    }
+
+    // A trim's first and last place on the first edge.
+    std::array<double, 2> ends_of(const TrimCurve& c, const Pair& pair, const EndMap& ends) {
+        const RationalCurve3& other = edge(pair.second.edge).curve;
         const auto at = [&](double t) {
-            const double there = edge_parameter(old, other, t);
-            if (there == other.domain_begin()) return is_along ? curve.domain_begin() : curve.domain_end();
-            if (there == other.domain_end()) return is_along ? curve.domain_end() : curve.domain_begin();
-            const Vec2 uv = old.curve.evaluate(t);
-            return break_near(pair.first, nearest_on(curve, surface.evaluate(uv.x(), uv.y())));
+            const double there = edge_parameter(c, other, t);
+            const auto next = std::ranges::lower_bound(ends.there, there);
+            auto i = static_cast<std::size_t>(next - ends.there.begin());
+            if (i == ends.there.size() || (i > 0 && there - ends.there[i - 1] < ends.there[i] - there)) --i;
+            return ends.here[i];
         };
-        TrimCurve fit = fitted_trim(old, surface, curve, at(old.curve.domain_begin()),
-                                    at(old.curve.domain_end()), enough_ * most_);
-        fit.edge = pair.first.edge;
-        return fit;
+        return {at(c.curve.domain_begin()), at(c.curve.domain_end())};
+    }
+
+    TrimCurve carried(TrimCurve c, const Pair& pair, double from, double to) {
+        c.edge = pair.first.edge;
+        return over_range(std::move(c), edge(pair.first.edge).curve, from, to);
     }
 
     // A place where the first part's trims along an edge end, if it is as near as roundings and slabs are.

@@ -10,6 +10,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../../io/files/step_file.hpp"
@@ -78,6 +79,33 @@ std::size_t gaps(const Cell& cell, double most) {
     return count;
 }
 
+/// Places of edges, on either side, where no trim begins with the parameter with which the one before ended.
+std::size_t breaks(const Cell& cell) {
+    using Side = std::pair<std::uint32_t, bool>;
+    std::map<Side, std::vector<std::pair<double, double>>> trims;
+    for (const CellFace& face : cell.faces)
+        for (const TrimCurve& c : face.trims()) {
+            if (!c.edge) continue;
+            const RationalCurve3& edge = cell.edges[*c.edge].curve;
+            const auto [from, to] = std::minmax({edge_parameter(c, edge, c.curve.domain_begin()),
+                                                 edge_parameter(c, edge, c.curve.domain_end())});
+            trims[{*c.edge, c.reversed}].emplace_back(from, to);
+        }
+    std::size_t count = 0;
+    for (auto& [side, along] : trims) {
+        const RationalCurve3& edge = cell.edges[side.first].curve;
+        std::ranges::sort(along);
+        double at = edge.domain_begin();
+        const double rounding = 1e-14 * (edge.domain_end() - at);
+        for (const auto& [from, to] : along) {
+            count += std::abs(from - at) > rounding;
+            at = to;
+        }
+        count += std::abs(edge.domain_end() - at) > rounding;
+    }
+    return count;
+}
+
 std::size_t ends(const Cell& cell) {
     const Shell shell = closed_shell(cell);
     return static_cast<std::size_t>(
@@ -93,6 +121,7 @@ void check_joined(const Cell& cell) {
     CHECK(ends(joined.cell) == 0);
     CHECK(trims_off(joined.cell) == 0);
     CHECK(gaps(joined.cell, most) == 0);
+    CHECK(breaks(joined.cell) == 0);
     // Joints are where parts end, and an edge goes on beyond each of their ends, or has its own there.
     const Vec3 axis = std::get<Cylinder>(cell.scene.base).axis.normalized();
     std::size_t joints = 0;
@@ -188,6 +217,25 @@ TEST_CASE("joined parts: among balls and planes, in small integers") {
     for (std::size_t i = 0; i < tubes.size(); ++i) check_joined(complete_cell(scene_of(tubes, i, box)));
     check_joined(complete_cell(scene_of(
         {Cylinder{{3, 4, 4}, {1, 1, 0}, 0.5}, Sphere{{2, 6, 6}, 0.5}, Plane{{0, 0, 1}, {0, 0, 1}}}, 0, box)));
+}
+
+// The axes of the first two are a ninth of their diameter apart: the face between them is folded sharply and
+// has more than a thousand patches, of which hundreds end along one joint.
+TEST_CASE("joined parts: trims along a joint end where others begin, however many there are") {
+    const std::vector<Object> tubes{Cylinder{{21.7, 42.2, 2.9}, {0.15, 0.81, -0.56}, 0.5},
+                                    Cylinder{{23.1, 21.9, 46}, {0.09, -0.25, 0.96}, 0.5},
+                                    Cylinder{{33.3, 72.1, 71.1}, {-0.35, 0.86, -0.36}, 0.5},
+                                    Cylinder{{83, 67, 30.3}, {-0.81, -0.5, 0.31}, 0.5},
+                                    Cylinder{{58.9, 3.5, 24.3}, {-0.69, 0.21, -0.7}, 0.5}};
+    const Cell cell = complete_cell(scene_of(tubes, 0, {Vec3::Zero(), Vec3::Constant(100)}));
+    const JoinedParts joined = joined_parts(cell, 0x1p-16);
+    CHECK(std::ranges::any_of(joined.cell.faces, [](const CellFace& f) { return f.patches.size() > 1000; }));
+    CHECK(ends(joined.cell) == 0);
+    CHECK(breaks(joined.cell) == 0);
+    MeshOptions options;
+    options.closed = true;
+    options.chord = 0.02 * cell_diagonal(cell);
+    CHECK(is_closed(tessellate(joined.cell, options)));
 }
 
 TEST_CASE("joined parts: what does not fit stays apart, and trims that are elsewhere are seen") {
