@@ -261,7 +261,7 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
                        const ContactTable& table) {
     struct Group {
         std::size_t cells = 0, undecided = 0;
-        double volume = 0, volume_error = 0, area = 0, area_error = 0;
+        double volume = 0, volume_error = 0, area = 0, area_error = 0, exposed = 0, exposed_error = 0;
         std::set<std::string> neighbors;
     };
     const GroupNames names(scene);
@@ -280,6 +280,9 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
         ++group.cells;
         group.volume += cell.volume;
         group.volume_error += cell.volume_error;
+        // Beyond a cap nothing is as near as the probe is wide, and no cell of the group goes on there.
+        group.exposed += cell.exposed_area;
+        group.exposed_error += cell.exposed_error;
     }
     for (const Contact& c : table.contacts) {
         if (!c.second.is_object()) continue;
@@ -292,11 +295,12 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
             group.neighbors.insert(*other);
         }
     }
-    out << "group\tcells\tundecided\tvolume\tvolume_error\tarea\tarea_error\tneighbors\n";
+    out << "group\tcells\tundecided\tvolume\tvolume_error\tarea\tarea_error\texposed_area\texposed_error\t"
+           "neighbors\n";
     for (const std::string& name : order) {
         const Group& g = groups[name];
-        fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", name, g.cells, g.undecided, g.volume,
-                   g.volume_error, g.area, g.area_error,
+        fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n", name, g.cells, g.undecided, g.volume,
+                   g.volume_error, g.area, g.area_error, g.exposed, g.exposed_error,
                    g.neighbors.empty() ? "-" : fmt::format("{}", fmt::join(g.neighbors, ",")));
     }
 }

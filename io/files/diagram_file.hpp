@@ -67,9 +67,10 @@ void write_contact_rows(std::ostream& out, const DiagramScene& scene,
                         const std::function<std::size_t(std::uint32_t)>& place,
                         std::span<const Contact> contacts);
 
-/// group cells undecided volume volume_error area area_error neighbors: the cells of a group as one, its area
-/// being what it shares with other groups (set Voronoi cells); neighbors, these groups, separated by commas.
-/// Objects without a group are groups of their own, named by their numbers.
+/// group cells undecided volume volume_error area area_error exposed_area exposed_error neighbors: the cells
+/// of a group as one, its area being what it shares with other groups (set Voronoi cells), its exposed area
+/// that of all of its cells, as no cell begins where one ends at a probe; neighbors, other groups, separated
+/// by commas. Objects without a group are groups of their own, named by their numbers.
 void write_group_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram,
                        const ContactTable& table);
 

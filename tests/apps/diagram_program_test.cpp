@@ -63,6 +63,7 @@ TEST_CASE("program: diagram writes tables of cells, contacts and groups") {
     CHECK(groups[1][0] == "one");
     CHECK(groups[1][1] == "2");
     CHECK(groups[1].back() == "two");
+    CHECK(groups[1][7] == "0");  // without a probe nothing is exposed
     CHECK(std::stod(groups[1][3]) == doctest::Approx(std::stod(cells[1][4]) + std::stod(cells[2][4])));
 }
 
@@ -340,8 +341,9 @@ TEST_CASE("program: diagram says what is wrong") {
 TEST_CASE("program: diagram with a probe tells the accessible surface and the contacts within its reach") {
     const Workplace work;
     // Grown by the probe the first two meet in a circle of radius sqrt(3); the third is out of reach.
-    work.write("balls.txt", "0 0 0 1\n2 0 0 1\n9 0 0 1\n");
-    const Outcome done = work.run("diagram balls.txt --probe 1 --cells cells.tsv --contacts contacts.tsv");
+    work.write("balls.txt", "0 0 0 1 A pair\n2 0 0 1 B pair\n9 0 0 1 C\n");
+    const Outcome done =
+        work.run("diagram balls.txt --probe 1 --cells cells.tsv --contacts contacts.tsv --groups groups.tsv");
     CAPTURE(done.err);
     REQUIRE(done.status == 0);
     const auto cells = table(work.read("cells.tsv")), contacts = table(work.read("contacts.tsv"));
@@ -353,6 +355,15 @@ TEST_CASE("program: diagram with a probe tells the accessible surface and the co
     constexpr double pi = std::numbers::pi;
     CHECK(exposed(1) == doctest::Approx(12 * pi));
     CHECK(exposed(3) == doctest::Approx(16 * pi));
+    // Both of a group have caps, none of them within it.
+    const auto groups = table(work.read("groups.tsv"));
+    REQUIRE(groups.size() == 3);
+    REQUIRE(groups[0][7] == "exposed_area");
+    REQUIRE(groups[0][8] == "exposed_error");
+    CHECK(std::abs(std::stod(groups[1][7]) - 24 * pi) <= std::stod(groups[1][8]));
+    CHECK(std::stod(groups[1][8]) < 1e-9);
+    CHECK(std::stod(groups[1][5]) == 0);
+    CHECK(std::stod(groups[2][7]) == doctest::Approx(16 * pi));
     REQUIRE(contacts.size() == 2);
     CHECK(std::stod(contacts[1][6]) == doctest::Approx(3 * pi));
     CHECK(work.run("diagram balls.txt --probe 0").status == 1);
@@ -373,6 +384,25 @@ TEST_CASE("program: diagram draws a cut and a mesh of all cells") {
     CHECK(work.read("all.obj").find("o cell_2_C\n") != std::string::npos);
     CHECK(work.read("all.obj").find("mtllib all.mtl\n") != std::string::npos);
     CHECK(work.read("all.mtl").find("newmtl c0\n") != std::string::npos);
+    // All cells together have a bound on their triangles.
+    const auto triangles = [&] {
+        const std::string mesh = work.read("all.obj");
+        std::size_t count = 0;
+        for (std::size_t at = 0; (at = mesh.find("\nf ", at)) != mesh.npos; ++at) ++count;
+        return count;
+    };
+    const std::size_t all = triangles();
+    const Outcome fits = work.run("diagram balls.txt -o all.obj --triangles " + std::to_string(all));
+    CHECK(fits.status == 0);
+    CHECK(fits.err.empty());
+    CHECK(triangles() == all);
+    const Outcome less = work.run("diagram balls.txt -o all.obj --triangles " + std::to_string(all - 1));
+    CHECK(less.status == 0);
+    CHECK(less.err == "vcell: warning: a chord of 0.2% is too fine for " + std::to_string(all - 1) +
+                          " triangles (--triangles) or 4096 pieces of an edge: the mesh has " +
+                          std::to_string(triangles()) + " triangles with one of 0.8%\n");
+    CHECK(triangles() < all);
+    CHECK(work.run("diagram balls.txt --triangles 0").status == 1);
     CHECK(work.read("cut.svg").find("z = -0.25") != std::string::npos);
     REQUIRE(work.run("diagram balls.txt -o all.VTU -o all.ply -o all.stl").status == 0);
     CHECK(work.read("all.VTU").find("Name=\"neighbor\"") != std::string::npos);

@@ -120,7 +120,7 @@ TEST_CASE("diagram file: tables have as many columns in each line as in their he
     };
     CHECK(lines_of(cells.str(), 18) == 5);
     CHECK(lines_of(pairs.str(), 11) == 1 + table.contacts.size());
-    CHECK(lines_of(groups.str(), 7) == 1 + 3);  // g, and two objects of their own
+    CHECK(lines_of(groups.str(), 9) == 1 + 3);  // g, and two objects of their own
     CHECK(cells.str().find("with tab") != std::string::npos);
 }
 
