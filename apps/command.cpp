@@ -64,6 +64,14 @@ std::optional<Box> box_argument(const std::vector<double>& corners) {
     return Box{{corners[0], corners[1], corners[2]}, {corners[3], corners[4], corners[5]}};
 }
 
+void warn_of_chord(const std::string& wanted, std::size_t most_triangles, std::size_t triangles,
+                   const std::string& chord) {
+    warn(fmt::format(
+        "a chord of {} is too fine for {} triangles (--triangles) or 4096 pieces of an edge: the mesh has {} "
+        "triangles with one of {}",
+        wanted, most_triangles, triangles, chord));
+}
+
 std::vector<std::string> arguments(int argc, const char* const* argv) {
     std::vector<std::string> all;
     for (int i = argc - 1; i > 0; --i) {

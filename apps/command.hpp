@@ -64,6 +64,10 @@ struct Chord {
 };
 std::optional<Chord> to_chord(std::string_view text);
 
+/// Warns where a mesh has a larger chord than was asked for; both as the user writes them.
+void warn_of_chord(const std::string& wanted, std::size_t most_triangles, std::size_t triangles,
+                   const std::string& chord);
+
 /// A program's arguments as the option parser takes them, the last one first. It would take -.5 for an
 /// option: it gets -0.5.
 std::vector<std::string> arguments(int argc, const char* const* argv);

@@ -23,6 +23,7 @@ private:
     DiagramSceneArguments scene_;
     std::string cells_, contacts_, groups_, network_, moments_, cut_, chord_ = "0.2%";
     std::vector<std::string> outputs_;
+    std::size_t most_triangles_ = 0;
     bool bodies_ = false;
     ThreadsArgument threads_;
 };

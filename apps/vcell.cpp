@@ -177,10 +177,8 @@ private:
         const double wanted = chord.is_relative ? chord.value * cell_diagonal(cell) : chord.value;
         CellMesh mesh = tessellate(cell, {wanted, solid_, most_triangles_});
         if (mesh.chord > wanted)
-            warn(fmt::format(
-                "a chord of {:.3g} is too fine for {} triangles (--triangles) or 4096 pieces of an edge: "
-                "the mesh has {} triangles with one of {:.3g}",
-                wanted, most_triangles_, mesh.triangles.size(), mesh.chord));
+            warn_of_chord(fmt::format("{:.3g}", wanted), most_triangles_, mesh.triangles.size(),
+                          fmt::format("{:.3g}", mesh.chord));
         return mesh;
     }
 

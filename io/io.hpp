@@ -16,6 +16,7 @@
 #include "pictures/conforming_meshes.hpp"
 #include "pictures/diagram_output.hpp"
 #include "pictures/diagram_pictures.hpp"
+#include "pictures/fitting_chord.hpp"
 #include "pictures/mesh.hpp"
 #include "pictures/mesh_formats.hpp"
 #include "pictures/obj.hpp"

@@ -23,9 +23,13 @@ constexpr double joined_most = 0x1p-16;  // of the box's diagonal, far less than
 /// Draws one cell with what is known of it, and keeps what others may have.
 class Fitter : Finder {
 public:
-    Fitter(Store& store, std::uint32_t object, const Cell& cell, const WholeElements& whole, double chord)
-        : Finder(store, object, cell, whole) {
+    /// mesh() throws TooFine for more than `most_triangles`; without a bound the cell's chord grows where it
+    /// is far too fine.
+    Fitter(Store& store, std::uint32_t object, const Cell& cell, const WholeElements& whole, double chord,
+           std::optional<std::size_t> most_triangles)
+        : Finder(store, object, cell, whole), keeps_chord_(most_triangles.has_value()) {
         constexpr double times_of_own = 2.5;
+        if (most_triangles) options_.most_triangles = *most_triangles;
         options_.chord = chord * cell_diagonal(cell);
         options_.closed = true;
         options_.most_of_own = times_of_own * chord;
@@ -197,7 +201,8 @@ private:
                                                                           : KnownMesh::Face();
         find_taken(known, places);
         find_breaks(known);
-        return tessellate(cell_, options_, known);
+        return keeps_chord_ ? tessellate_with_chord(cell_, options_, known)
+                            : tessellate(cell_, options_, known);
     }
 
     // The cell beyond a face takes over others, too, which have points in common with it: two sides that join
@@ -255,6 +260,7 @@ private:
     }
 
     MeshOptions options_;
+    const bool keeps_chord_;
     std::vector<std::optional<SharedPoint>> points_;  // of the mesh
 };
 
@@ -270,10 +276,11 @@ ConformingMeshes::ConformingMeshes(const DiagramScene& scene, double chord)
     : store_(std::make_unique<Store>(scene)), chord_(chord) {}
 ConformingMeshes::~ConformingMeshes() = default;
 
-CellMesh ConformingMeshes::add(std::uint32_t object, const Cell& cell) {
+CellMesh ConformingMeshes::draw(std::uint32_t object, const Cell& cell,
+                                std::optional<std::size_t> most_triangles) {
     store_->pass_to(object);
     const auto mesh = [&](const Cell& of, const WholeElements& whole) {
-        return shared::Fitter(*store_, object, of, whole, chord_).mesh();
+        return shared::Fitter(*store_, object, of, whole, chord_, most_triangles).mesh();
     };
     CellMesh result;
     if (cell.parts.empty()) {
@@ -285,6 +292,19 @@ CellMesh ConformingMeshes::add(std::uint32_t object, const Cell& cell) {
     }
     store_->has_drawn(object);
     return result;
+}
+
+CellMesh ConformingMeshes::add(std::uint32_t object, const Cell& cell) {
+    return draw(object, cell, std::nullopt);
+}
+
+std::optional<CellMesh> ConformingMeshes::add_within(std::uint32_t object, const Cell& cell,
+                                                     std::size_t most_triangles) {
+    try {
+        return draw(object, cell, most_triangles);
+    } catch (const TooFine&) {
+        return std::nullopt;
+    }
 }
 
 std::size_t ConformingMeshes::drawn_again() const { return store_->drawn_again; }

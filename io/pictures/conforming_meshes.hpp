@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "../../envelope/voronoi_diagram.hpp"
 #include "mesh.hpp"
@@ -43,11 +44,18 @@ public:
     /// scene's diagram; objects do not descend from call to call. Throws as tessellate().
     CellMesh add(std::uint32_t object, const Cell& cell);
 
+    /// As add(), but none, and no further cells are to be added, where the cell has more triangles than that
+    /// with its chord, or an edge more than 4096 pieces. (add() lets the chord of a cell grow that has more
+    /// than a million.)
+    std::optional<CellMesh> add_within(std::uint32_t object, const Cell& cell, std::size_t most_triangles);
+
     /// Faces so far that a cell has drawn although the cell beyond had come before.
     std::size_t drawn_again() const;
 
 private:
     class Store;
+    CellMesh draw(std::uint32_t object, const Cell& cell, std::optional<std::size_t> most_triangles);
+
     std::unique_ptr<Store> store_;
     double chord_;
 };

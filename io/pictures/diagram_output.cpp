@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <ostream>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -17,6 +19,7 @@
 #include "cell_output.hpp"
 #include "conforming_meshes.hpp"
 #include "diagram_pictures.hpp"
+#include "fitting_chord.hpp"
 #include "mesh_formats.hpp"
 #include "page.hpp"
 
@@ -120,7 +123,7 @@ private:
 };
 
 DiagramFiles::DiagramFiles(const std::vector<std::string>& paths, const DiagramFileOptions& options)
-    : chord_(options.chord) {
+    : chord_(options.chord), most_triangles_(options.most_triangles) {
     for (const std::string& path : paths) {
         files_.push_back(std::make_unique<One>(path, options));
         std::vector<std::string> all = targets();
@@ -138,18 +141,66 @@ std::vector<std::string> DiagramFiles::targets() const {
     return all;
 }
 
+bool DiagramFiles::has_triangles() const {
+    return std::ranges::any_of(files_, [](const auto& one) { return one->has_triangles(); });
+}
+
+namespace {
+
+// What counts triangles ends when no chord is left.
+struct AllGivenUp {};
+
+// A part of what there is to do.
+std::function<void(double)> part_of(const std::function<void(double)>& progress, double begin, double end) {
+    if (!progress) return nullptr;
+    return [=](double fraction) { progress((1 - fraction) * begin + fraction * end); };
+}
+
+}  // namespace
+
+// Mostly the chord that is asked for fits, and no cell is drawn with another one.
+double DiagramFiles::fitting_chord(const DiagramScene& scene, const DiagramOptions& options) const {
+    const std::vector<double> chords = growing_chords(chord_);
+    const auto found = [&](std::span<const double> some, double begin, double end) {
+        FittingChord fitting(scene, some, *most_triangles_);
+        DiagramOptions counting;
+        counting.threads = options.threads;
+        counting.complete = true;
+        counting.progress = part_of(options.progress, begin, end);
+        counting.visit = [&](std::uint32_t object, const Cell& cell) {
+            if (!fitting.add(object, cell)) throw AllGivenUp();
+        };
+        try {
+            voronoi_diagram(scene, counting);
+        } catch (const AllGivenUp&) {
+            // The last of the chords is left.
+        }
+        return std::pair(fitting.chord(), fitting.fits());
+    };
+    const std::span all(chords);
+    const auto [chord, fits] = found(all.first(1), 0, counted_ / 2);
+    return fits || chords.size() == 1 ? chord : found(all.subspan(1), counted_ / 2, counted_).first;
+}
+
 VoronoiDiagram DiagramFiles::compute(const DiagramScene& scene, DiagramOptions options) {
     if (files_.empty()) return voronoi_diagram(scene, options);
     for (const auto& one : files_) one->begin(scene);
     std::optional<ConformingMeshes> meshes;
-    if (std::ranges::any_of(files_, [](const auto& one) { return one->has_triangles(); }))
-        meshes.emplace(scene, chord_);
+    if (has_triangles()) {
+        mesh_size_ = MeshSize{chord_, 0};
+        if (most_triangles_) {
+            mesh_size_->chord = fitting_chord(scene, options);
+            options.progress = part_of(options.progress, counted_, 1);
+        }
+        meshes.emplace(scene, mesh_size_->chord);
+    }
     std::vector<bool> is_seen(scene.objects.size(), false);
     options.complete = true;
     options.visit = [&, other = std::move(options.visit)](std::uint32_t object, const Cell& cell) {
         if (other) other(object, cell);
         is_seen[object] = true;
         const CellMesh mesh = meshes ? meshes->add(object, cell) : CellMesh();
+        if (mesh_size_) mesh_size_->triangles += mesh.triangles.size();
         for (const auto& one : files_) one->add(object, cell, mesh);
     };
     VoronoiDiagram diagram = voronoi_diagram(scene, options);

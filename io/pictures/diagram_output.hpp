@@ -1,6 +1,7 @@
 /// A whole diagram in files of any format, told by their endings.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -20,6 +21,10 @@ struct DiagramFileOptions {
         double at;
     };
     std::optional<Cut> cut;
+    /// Where the meshes of all cells together would have more triangles, the chord grows until they do not,
+    /// or until only cells' edges ask for them (FittingChord). Then all cells are computed twice, to count
+    /// before any is written, or where the chord does not fit, three times. None: there is no bound.
+    std::optional<std::size_t> most_triangles;
 };
 
 /// Files that are written while a diagram is computed, cell by cell: .json (DiagramWriter), .step or .stp
@@ -44,6 +49,14 @@ public:
     /// once. Throws as voronoi_diagram() and the formats' own functions.
     VoronoiDiagram compute(const DiagramScene& scene, DiagramOptions options = {});
 
+    /// What the meshes of all cells have come to.
+    struct MeshSize {
+        double chord = 0;  ///< larger than asked for where that takes more than `most_triangles`
+        std::size_t triangles = 0;
+    };
+    /// None where no file is made of triangles.
+    const std::optional<MeshSize>& mesh_size() const { return mesh_size_; }
+
     /// Computed cells that have measures and no faces, so that they are in no file.
     const std::vector<std::uint32_t>& without_faces() const { return without_faces_; }
 
@@ -54,8 +67,14 @@ public:
 
 private:
     class One;
+    bool has_triangles() const;
+    double fitting_chord(const DiagramScene& scene, const DiagramOptions& options) const;
+    static constexpr double counted_ = 2.0 / 3;  // so much of the work is done when the chord is known
+
     std::vector<std::unique_ptr<One>> files_;
     const double chord_;
+    const std::optional<std::size_t> most_triangles_;
+    std::optional<MeshSize> mesh_size_;
     std::vector<std::uint32_t> without_faces_;
 };
 

@@ -40,10 +40,17 @@ struct KnownMesh {
     }
 };
 
+/// The mesh has grown beyond its bound, or a line beyond all halving.
+struct TooFine {};
+
 /// As tessellate(), with what is known as it is: points of polylines are taken for points of the edges, known
 /// or not, and only lines that are not known are refined until no two sides of a face cross. Pre: all edges
 /// of known faces have known lines, whose sides the faces' triangles have.
 CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
+
+/// The same with the chord that is asked for and no other: throws TooFine where it takes more than
+/// `most_triangles`, or more than 4096 pieces of an edge.
+CellMesh tessellate_with_chord(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
 
 /// Parameters of points that follow each other along a curve, the first one at its begin and the last one at
 /// its end: of the nearest points of the curve, ascending.

@@ -22,9 +22,6 @@
 
 namespace vcell {
 
-/// The mesh has grown beyond its bound, or a line beyond all halving.
-struct TooFine {};
-
 /// By how much triangles may be off: nothing by more than `most`.
 struct Chords {
     double most;

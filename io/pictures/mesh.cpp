@@ -258,6 +258,43 @@ private:
     std::vector<LineSampling::Piece> at_folds_;  // of lines at these
 };
 
+/// Meshes of one cell with one chord or another.
+class Attempts {
+public:
+    Attempts(const Cell& cell, const MeshOptions& options, const KnownMesh& known)
+        : cell_(cell),
+          options_(options),
+          known_(known),
+          shell_(options.closed ? closed_shell(cell) : Shell{cell.vertices, cell.edges, cell.faces, 0}),
+          diagonal_(cell_diagonal(cell)) {}
+
+    double coarsest() const { return diagonal_; }
+    double default_chord() const { return 1e-3 * diagonal_; }
+    double wanted() const { return options_.chord.value_or(default_chord()); }
+
+    // Throws TooFine. At chords of pictures' size lines may stop being halved where their parameter stands
+    // all but still.
+    CellMesh mesh(double chord, std::size_t most_triangles) const {
+        return Tessellator(shell_, cell_, known_, chords_of(shell_, chord, options_.most_of_own),
+                           chord < 0.5 * default_chord(), most_triangles)
+            .mesh();
+    }
+    std::optional<CellMesh> mesh_if_it_fits(double chord) const {
+        try {
+            return mesh(chord, options_.most_triangles);
+        } catch (const TooFine&) {
+            return std::nullopt;
+        }
+    }
+
+private:
+    const Cell& cell_;
+    const MeshOptions& options_;
+    const KnownMesh& known_;
+    const Shell shell_;
+    const double diagonal_;
+};
+
 }  // namespace
 
 double cell_diagonal(const Cell& cell) {
@@ -291,35 +328,26 @@ CellMesh tessellate(const Cell& cell, const MeshOptions& options) {
 }
 
 CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known) {
-    const Shell shell = options.closed ? closed_shell(cell) : Shell{cell.vertices, cell.edges, cell.faces, 0};
-    const double diagonal = cell_diagonal(cell);
-    constexpr double default_chord = 1e-3;  // of the diagonal
-    const double wanted = options.chord.value_or(default_chord * diagonal);
-    // At chords of pictures' size lines may stop being halved where their parameter stands all but still.
-    const auto attempt = [&](double chord, std::size_t most_triangles) -> std::optional<CellMesh> {
-        try {
-            return Tessellator(shell, cell, known, chords_of(shell, chord, options.most_of_own),
-                               chord < 0.5 * default_chord * diagonal, most_triangles)
-                .mesh();
-        } catch (const TooFine&) {
-            return std::nullopt;
-        }
-    };
-    if (auto mesh = attempt(wanted, options.most_triangles)) return std::move(*mesh);
+    const Attempts attempts(cell, options, known);
+    const double wanted = attempts.wanted();
+    if (auto mesh = attempts.mesh_if_it_fits(wanted)) return std::move(*mesh);
     // A mesh of the default chord is small, so the finest one that is not too fine is looked for from there
     // on.
-    constexpr double step = 4;
-    double chord = std::max(wanted, default_chord * diagonal);
-    std::optional<CellMesh> best = attempt(chord, options.most_triangles);
-    while (!best && chord <= diagonal) best = attempt(chord *= step, options.most_triangles);
-    if (!best) return *attempt(chord, SIZE_MAX);
+    double chord = std::max(wanted, attempts.default_chord());
+    std::optional<CellMesh> best = attempts.mesh_if_it_fits(chord);
+    while (!best && chord <= attempts.coarsest()) best = attempts.mesh_if_it_fits(chord *= chord_step);
+    if (!best) return attempts.mesh(chord, SIZE_MAX);
     for (;;) {
-        chord = best->chord / step;
-        std::optional<CellMesh> finer =
-            chord > wanted ? attempt(chord, options.most_triangles) : std::nullopt;
+        chord = best->chord / chord_step;
+        std::optional<CellMesh> finer = chord > wanted ? attempts.mesh_if_it_fits(chord) : std::nullopt;
         if (!finer) return std::move(*best);
         best = std::move(finer);
     }
+}
+
+CellMesh tessellate_with_chord(const Cell& cell, const MeshOptions& options, const KnownMesh& known) {
+    const Attempts attempts(cell, options, known);
+    return attempts.mesh(attempts.wanted(), options.most_triangles);
 }
 
 }  // namespace vcell

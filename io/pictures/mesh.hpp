@@ -15,6 +15,9 @@ namespace vcell {
 /// Two points of a mesh, ascending.
 using MeshSide = std::array<std::uint32_t, 2>;
 
+/// Where a chord is too fine it grows by this factor, once or more often.
+inline constexpr double chord_step = 4;
+
 struct MeshOptions {
     /// The largest distance, in length, between a triangle's side and the surface, along its normal, or the
     /// edge, measured at the side's middle. None: a thousandth of cell_diagonal().

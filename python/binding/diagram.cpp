@@ -19,6 +19,8 @@ struct Diagram {
     VoronoiDiagram diagram;
 };
 
+std::string number(double x) { return py::repr(py::float_(x)); }
+
 const char* name_of(DiagramCell::State state) {
     switch (state) {
         case DiagramCell::State::Computed: return "computed";
@@ -208,9 +210,11 @@ void bind_table(py::module_& m) {
         "diagram",
         [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit, bool bodies,
            const std::vector<std::filesystem::path>& outputs, double chord,
-           const std::optional<std::pair<std::string, double>>& cut) {
+           const std::optional<std::pair<std::string, double>>& cut,
+           std::optional<std::size_t> most_triangles) {
             DiagramFileOptions how;
             how.chord = chord;
+            how.most_triangles = most_triangles;
             if (cut) {
                 if (cut->first != "x" && cut->first != "y" && cut->first != "z")
                     throw py::value_error("cut: must be like (\"z\", 0.5)");
@@ -218,18 +222,30 @@ void bind_table(py::module_& m) {
             }
             Listener listener(std::move(progress), std::move(visit));
             Diagram result{scene, {}};
-            const py::gil_scoped_release unlocked;
-            std::vector<std::string> paths;
-            for (const std::filesystem::path& path : outputs) paths.push_back(path.string());
-            DiagramFiles files(paths, how);
-            result.diagram = files.compute(result.scene, listener.options(threads, bodies));
-            files.commit();
+            std::optional<DiagramFiles::MeshSize> size;
+            {
+                const py::gil_scoped_release unlocked;
+                std::vector<std::string> paths;
+                for (const std::filesystem::path& path : outputs) paths.push_back(path.string());
+                DiagramFiles files(paths, how);
+                result.diagram = files.compute(result.scene, listener.options(threads, bodies));
+                files.commit();
+                size = files.mesh_size();
+            }
+            if (size && size->chord > chord) {
+                const std::string text =
+                    "a chord of " + number(chord) + " is too fine for " + std::to_string(*most_triangles) +
+                    " triangles or 4096 pieces of an edge: the mesh has " + std::to_string(size->triangles) +
+                    " triangles with one of " + number(size->chord);
+                if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw py::error_already_set();
+            }
             return result;
         },
         py::arg("scene"), py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
         py::arg("visit") = py::none(), py::arg("bodies") = false,
         py::arg("outputs") = std::vector<std::filesystem::path>(),
         py::arg("chord") = DiagramFileOptions().chord, py::arg("cut") = py::none(),
+        py::arg("most_triangles") = py::none(),
         "The cells of all objects, each proved to be that among all others. What one cell runs into is in its "
         "state.\n\n"
         "threads: 0 is as many as there are cores; the result is the same for any number.\n"
@@ -242,7 +258,9 @@ void bind_table(py::module_& m) {
         ".bezier.vtu, .glb, .3mf, .step, .itd, .html or .svg. Planes and cylinders have their complete cells then, and "
         "visit sees them.\n"
         "chord: of meshes, as a part of a cell's diagonal.\n"
-        "cut: the plane of a .svg, like (\"z\", 0.5).\n\n"
+        "cut: the plane of a .svg, like (\"z\", 0.5).\n"
+        "most_triangles: of all meshes together. Where there would be more the chord grows, which a UserWarning tells. "
+        "All cells are computed twice or three times.\n\n"
         "Ctrl-C ends it. Raises InputError, WriteError.");
 }
 

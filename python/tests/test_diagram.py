@@ -68,6 +68,11 @@ def test_files_of_all_cells(balls, tmp_path):
     assert seen == list(range(6)) and diagram.filled_volume().fills
     assert all(file.stat().st_size > 1000 for file in files) and (tmp_path / "all.mtl").exists()
     assert files[endings.index("step")].read_text().count("MANIFOLD_SOLID_BREP") == 6
+    vcell.diagram(scene, outputs=[files[1]])
+    triangles = files[1].read_text().count("\nf ")
+    with pytest.warns(UserWarning, match=f"^a chord of 0.002 is too fine for {triangles - 1} triangles .* of 0.008$"):
+        vcell.diagram(scene, outputs=[files[1]], most_triangles=triangles - 1)
+    assert 100 < files[1].read_text().count("\nf ") < triangles
     with pytest.raises(ValueError, match="must end in"):
         vcell.diagram(scene, outputs=["all.xyz"])
     with pytest.raises(ValueError, match="given twice"):

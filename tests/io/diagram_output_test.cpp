@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <regex>
 #include <set>
 #include <stdexcept>
@@ -129,6 +130,49 @@ TEST_CASE("diagram files: cells that have measures alone are named") {
     CHECK(times_in(read_file(folder.file("all.step")), "MANIFOLD_SOLID_BREP(") == 1);
 }
 
+TEST_CASE("diagram files: meshes of all cells have no more triangles than asked for, or those of edges") {
+    const TemporaryDirectory folder;
+    const DiagramScene scene = mixed_scene();
+    const auto size = [&](double chord, std::optional<std::size_t> most) {
+        DiagramFiles files({folder.file("all.vtu"), folder.file("all.json")},
+                           {.chord = chord, .cut = std::nullopt, .most_triangles = most});
+        std::size_t seen = 0;
+        double done = 0;
+        DiagramOptions options;
+        options.visit = [&](std::uint32_t, const Cell&) { ++seen; };
+        options.progress = [&](double fraction) {
+            CHECK(fraction >= done);
+            done = fraction;
+        };
+        files.compute(scene, options);
+        files.commit();
+        CHECK(seen == 5);
+        REQUIRE(files.mesh_size());
+        const std::string numbers = array_of(read_file(folder.file("all.vtu")), "cell");
+        CHECK(files.mesh_size()->triangles == numbers.size() / sizeof(std::int32_t));
+        return *files.mesh_size();
+    };
+    const auto plain = size(0.002, std::nullopt);
+    CHECK(plain.chord == 0.002);
+    const std::string unbounded = read_file(folder.file("all.vtu"));
+    const auto same = size(0.002, plain.triangles);
+    CHECK(same.chord == 0.002);
+    CHECK(same.triangles == plain.triangles);
+    CHECK(read_file(folder.file("all.vtu")) == unbounded);
+    // The chord grows by the same factor until all fits, and no farther.
+    const auto coarser = size(0.002, plain.triangles - 1);
+    CHECK(coarser.chord == chord_step * 0.002);
+    CHECK(coarser.triangles < plain.triangles);
+    CHECK(size(coarser.chord, std::nullopt).triangles == coarser.triangles);
+    CHECK(size(1e-9, plain.triangles).triangles <= plain.triangles);
+    const auto edges = size(0.002, 1);
+    CHECK(edges.chord == 1);
+    CHECK(edges.triangles == size(100, std::nullopt).triangles);
+    DiagramFiles exact({folder.file("all.step")}, {.chord = 0.002, .cut = {}, .most_triangles = 1});
+    exact.compute(scene);
+    CHECK(!exact.mesh_size());
+}
+
 TEST_CASE("diagram files: wrong ones are told before anything is computed") {
     const TemporaryDirectory folder;
     const auto complaint = [&](const std::vector<std::string>& paths,
@@ -142,7 +186,9 @@ TEST_CASE("diagram files: wrong ones are told before anything is computed") {
     };
     CHECK(complaint({folder.file("all.xyz")}).find("must end in") != std::string::npos);
     CHECK(complaint({folder.file("all.svg")}).find("takes a plane") != std::string::npos);
-    CHECK(complaint({folder.file("all.svg")}, {0.01, DiagramFileOptions::Cut{2, 0}}).empty());
+    CHECK(complaint({folder.file("all.svg")},
+                    {.chord = 0.01, .cut = DiagramFileOptions::Cut{2, 0}, .most_triangles = {}})
+              .empty());
     CHECK(complaint({folder.file("all.obj"), folder.file("all.stl")}).empty());
     CHECK(complaint({folder.file("a.stl"), folder.file("a.stl")}).find("given twice") != std::string::npos);
     CHECK_THROWS_AS(DiagramFiles({folder.file("absent/all.stl")}), WriteError);

@@ -1,0 +1,42 @@
+/// How coarse the meshes of a diagram's cells have to be to have no more than so many triangles.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "conforming_meshes.hpp"
+
+namespace vcell {
+
+/// A chord, a part of cells' diagonals, and what it grows to by chord_step where it is too fine, up to a
+/// whole diagonal, with which only cells' edges ask for triangles.
+std::vector<double> growing_chords(double chord);
+
+/// The first of some chords with which all cells together have no more triangles than a bound, found before
+/// any mesh is kept: each cell is drawn with all of them, and a chord with which there are too many is given
+/// up.
+class FittingChord {
+public:
+    /// Pre: there are chords, all > 0. Throws as ConformingMeshes().
+    FittingChord(const DiagramScene& scene, std::span<const double> chords, std::size_t most_triangles);
+
+    /// As ConformingMeshes::add(). False where all chords have been given up.
+    bool add(std::uint32_t object, const Cell& cell);
+
+    bool fits() const { return levels_.front().meshes != nullptr; }
+    /// After the last cell: the chord that fits, or the last one.
+    double chord() const { return levels_.front().chord; }
+
+private:
+    struct Level {
+        double chord;
+        std::size_t left;                          // triangles
+        std::unique_ptr<ConformingMeshes> meshes;  // null: given up
+    };
+    std::vector<Level> levels_;  // the first one has not been given up, or is the last one
+};
+
+}  // namespace vcell
