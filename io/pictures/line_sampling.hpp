@@ -200,13 +200,22 @@ private:
         }
         return false;
     }
+    // Does the stretch of a seam need a point between for the strips beside it?
+    bool leaves_strips(std::size_t line, double from, double to) const {
+        return std::ranges::any_of(lines_[line].uses, [&](const Use& use) {
+            return use.curve->seam &&
+                   leaves_strip(*use.patch, use.curve->curve, trim_parameter(*use.curve, from),
+                                trim_parameter(*use.curve, to));
+        });
+    }
     // Parameters of a line: pieces of equal length between its breaks, halved while they are too coarse.
     std::vector<double> parameters(std::size_t line) const {
         const std::vector<double>& breaks = lines_[line].breaks;
         std::vector<double> result{breaks.front()};
         const auto add = [&](auto& self, double from, double to, int depth) -> void {
             constexpr int deepest = 12;
-            if ((depth < deepest || keeps_chord_) && too_coarse(line, from, to)) {
+            if (((depth < deepest || keeps_chord_) && too_coarse(line, from, to)) ||
+                (depth < deepest && leaves_strips(line, from, to))) {
                 if (depth == deepest) throw TooFine();
                 const double middle = 0.5 * (from + to);
                 self(self, from, middle, depth + 1);

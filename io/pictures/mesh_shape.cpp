@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trims.hpp"
+
 namespace vcell {
 
 static double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -71,6 +73,22 @@ bool strays(const RationalPatch& s, const RationalCurve2& curve, double from, do
             return s.evaluate(uv.x(), uv.y());
         },
         chord);
+}
+
+bool leaves_strip(const RationalPatch& s, const RationalCurve2& seam, double from, double to) {
+    const int across = is_at_one(seam, 0) ? 0 : 1;
+    if (!is_at_one(seam, across)) return false;
+    const auto place = [&](const Vec2& uv) { return s.evaluate(uv.x(), uv.y()); };
+    const Vec3 begin = place(seam.evaluate(from)), end = place(seam.evaluate(to));
+    const auto leaves = [&](double t) {
+        const Vec2 uv = seam.evaluate((1 - t) * from + t * to);
+        Vec2 beyond = uv;
+        const auto& [low, high] = across == 0 ? s.domain_u : s.domain_v;
+        beyond[across] = uv[across] < 0.5 * (low + high) ? high : low;
+        const Vec3 p = place(uv);
+        return distance_from_segment(p, begin, end) > 0.5 * (place(beyond) - p).norm();
+    };
+    return leaves(0.5) || leaves(0.25) || leaves(0.75);
 }
 
 Eigen::Matrix2d rounding_map(const RationalPatch& s, const std::vector<std::vector<Vec2>>& loops) {

@@ -25,6 +25,12 @@ bool strays(const RationalPatch& s, const Vec2& a, const Vec2& b, double chord);
 /// Does the image of a curve of parameters leave the segment between its ends so far?
 bool strays(const RationalPatch& s, const RationalCurve2& curve, double from, double to, double chord);
 
+/// A face that is folded sharply has patches that are strips between seams, which are sides of their
+/// parameters' rectangles and may be far nearer to each other than a chord. Does the image of a piece of a
+/// seam leave the segment between its ends by more than half the way to the other side, so that segments on
+/// both sides may cross? Three places tell.
+bool leaves_strip(const RationalPatch& s, const RationalCurve2& seam, double from, double to);
+
 /// Between two parameters of a line that `place` tells in space, the one that is about as far from both ends
 /// there, however unevenly the line is run through.
 template <class Place>

@@ -494,6 +494,19 @@ TEST_CASE("conforming meshes: parts that meet near an apex have no triangle turn
     CHECK(soup.turned_over == 0);
 }
 
+// The face between tubes whose axes all but cross is folded by as little as lies between these, and its
+// patches are strips that are narrower than a chord there.
+TEST_CASE("conforming meshes: no triangle is turned over in strips of a sharply folded face") {
+    const DiagramScene scene =
+        scene_of({Cylinder{{4, 4, 4}, {2, 1, 0}, 0.25}, Cylinder{{4, 4, 4.125}, {-1, 1, 1}, 0.25}},
+                 {Vec3::Zero(), Vec3::Constant(8)});
+    check_fits(scene, 1e-9);
+    const Soup soup = conforming(scene);
+    REQUIRE(soup.facets.size() > 10'000);
+    CHECK(soup.facets.size() < 50'000);
+    CHECK(soup.turned_over == 0);
+}
+
 TEST_CASE("conforming meshes: meshes that do not fit are seen") {
     std::mt19937_64 rng(test_seed());
     const DiagramScene scene = scene_of(random_balls(rng, 15, 0.5), {Vec3::Constant(-1), Vec3::Constant(11)});
