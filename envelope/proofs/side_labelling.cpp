@@ -219,6 +219,7 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
             sharp, [](const SharpItem& i) { return i.form; }, sharply_above);
         decisions_.by_multiprecision += items.size() - sharp.size();
         items.assign(sharp.begin(), sharp.end());
+        if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
     }
     for (const Item& i : items) out.forms.push_back(i.form);
     return out;

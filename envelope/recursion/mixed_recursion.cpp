@@ -20,6 +20,9 @@ constexpr double part_around = 0.075;
 // Where differences of three competitors or more change so much more along one axis pieces are cut across
 // that, unless they are too slender.
 constexpr double much_steeper = 4, most_slender = 0x1p16;
+// Nor are they cut lengthwise when they are no more than so many of the least stretches of a side wide: what
+// meets a shorter seam across them could not be told apart by halving it.
+constexpr double least_stretches = 64;
 // A vertex needs some hundred pieces below this part of the region at worst, and a form has two vertices on
 // average. Many more of them in all, or within one piece of that size, follow a curve along which forms tie
 // without crossing: no number of pieces decides that.
@@ -210,6 +213,9 @@ private:
         if (all_.family_.tips.any()) return *steepness >= 1;
         const double x = r.x1 - r.x0, y = r.y1 - r.y0;
         if (candidates < 3 || std::max(x, y) > most_slender * std::min(x, y)) return std::nullopt;
+        if (std::min(x, y) <=
+            least_stretches * side_floor_width * competition_.extent_at({r.x0, r.x1}, {r.y0, r.y1}))
+            return std::nullopt;
         if (*steepness >= much_steeper) return true;
         if (*steepness * much_steeper <= 1) return false;
         return std::nullopt;

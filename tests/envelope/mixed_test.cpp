@@ -440,6 +440,27 @@ TEST_CASE("mixed envelope: nearly symmetric scenes") {
     }
 }
 
+// The trisectors of the cylinders cross next to the one that both have with the plane, which is straight.
+TEST_CASE("mixed envelope: a plane that all but runs through the node of two cylinders") {
+    std::mt19937_64 rng(test_seed());
+    const std::vector<Scene> symmetric = degenerate_scenes();
+    const auto exact =
+        std::ranges::find(symmetric, std::string("a plane through the node of two cylinders"), &Scene::name);
+    REQUIRE(exact != symmetric.end());
+    constexpr double size = 1e-15;
+    std::uniform_real_distribution<double> shift(-size, size);
+    for (int round = 0; round < 60 * rounds(); ++round) {
+        CAPTURE(round);
+        Scene s = *exact;
+        for (CylinderForm& c : s.cylinders) {
+            c.px += shift(rng);
+            c.py += shift(rng);
+            if (round % 2 == 0) c.pz += shift(rng);
+        }
+        judge(s, rng, {.samples = 5, .brute_force_forms = 0});
+    }
+}
+
 TEST_CASE("mixed envelope: many cylinders through nearly one vertex") {
     std::mt19937_64 rng(test_seed());
     for (const double size : {1e-3, 1e-6, 1e-9}) {
