@@ -117,6 +117,7 @@ void CircularEdges::set_curve(EdgeId e, RationalCurve3& curve, Range& heights) c
 // both do.
 double CircularEdges::error(EdgeId e) const {
     const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    if (degree(e) == 1) return line_error(e);
     const double off = arcs_.error(e);
     Height left{diagram_.forms[edge.left]}, right{diagram_.forms[edge.on_rim() ? edge.left : edge.right]};
     for (const ArcSpan& span : arcs_.spans(e))
@@ -135,6 +136,24 @@ double CircularEdges::error(EdgeId e) const {
     r += 16 * u * std::max(left.size, right.size);
     const double apart = r + (left_slope + right_slope) * off;
     return std::sqrt(off * off + apart * apart);
+}
+
+// A segment is as far from the true one as its ends are, and a linear height as far from it as at these,
+// however steep it is: along a steep side of the box ends may be known less well than across it.
+double CircularEdges::line_error(EdgeId e) const {
+    const MinimizationDiagram::Edge& edge = diagram_.edges[e];
+    double error = 0;
+    for (const VertexId v : {diagram_.start(e), diagram_.end(e)}) {
+        const MinimizationDiagram::Vertex& at = diagram_.vertices[v];
+        error = std::max(error, std::hypot(at.error, at.height_error));
+        for (const FormId f : {edge.left, edge.on_rim() ? edge.left : edge.right}) {
+            Height height(diagram_.forms[f]);
+            height.add(at.point, at.point.norm());
+            const double beyond = std::abs(diagram_.forms[f](at.point.x(), at.point.y()) - at.height);
+            error = std::max(error, beyond + 16 * u * height.size);
+        }
+    }
+    return error;
 }
 
 }  // namespace vcell

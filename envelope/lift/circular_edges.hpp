@@ -27,6 +27,7 @@ public:
 
 private:
     int degree(EdgeId e) const;
+    double line_error(EdgeId e) const;
 
     const PlaneDiagram of_;
     const MinimizationDiagram& diagram_;

@@ -129,7 +129,7 @@ TEST_CASE("complete cells: measures and points, closed meshes and proofs of plan
 // the base is that much more in the box.
 TEST_CASE("complete cells: bounds are tight where a plane among tubes is nearly upright on a side") {
     std::mt19937_64 rng(test_seed());
-    for (int round = 0; round < 3 * rounds(); ++round) {
+    for (int round = 0; round < 8 * rounds(); ++round) {
         const Cell cell = complete_cell(random_scene_with_tubes(rng, 1 + rng() % 4, 0x1p-14));
         CAPTURE(round);
         check_certificate(cell);
