@@ -165,7 +165,7 @@ Sign CurveArcs::compare_y_at_x(Point p, const Arc& a) {
 
 std::vector<CurveArcs::Point> CurveArcs::find_crossings(const Curve& c, const Curve& d) {
     std::vector<Point> points;
-    for (ExactPoint& exact : common_points(c.exact, d.exact)) {
+    for (OneRootPoint& exact : common_points(c.exact, d.exact)) {
         const Point p = points_.add(std::move(exact));
         points.push_back(p);
         for (const Curve* curve : {&c, &d})

@@ -17,8 +17,8 @@ CurvePointId CurvePoints::add(Data data) {
     return p;
 }
 
-CurvePointId CurvePoints::add(ExactPoint exact) {
-    const auto shared = std::make_shared<const ExactPoint>(std::move(exact));
+CurvePointId CurvePoints::add(OneRootPoint exact) {
+    const auto shared = std::make_shared<const OneRootPoint>(std::move(exact));
     return add({enclosure(shared->x, shared->denominator), enclosure(shared->y, shared->denominator),
                 [shared] {
                     return std::pair(coordinate_of<Wide>(shared->x, shared->denominator),
@@ -30,7 +30,7 @@ CurvePointId CurvePoints::add(ExactPoint exact) {
 CurvePointId CurvePoints::add(double x, double y) {
     const auto [found, is_new] = given_.try_emplace({x, y});
     if (is_new) {
-        found->second = add(ExactPoint{{Exact(x), {}, {}}, {Exact(y), {}, {}}, Exact(1.0)});
+        found->second = add(OneRootPoint{{Exact(x), {}, {}}, {Exact(y), {}, {}}, Exact(1.0)});
         points_[found->second].data.x = x;
         points_[found->second].data.y = y;
     }

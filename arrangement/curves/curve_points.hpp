@@ -45,15 +45,15 @@ public:
     struct Data {
         Interval x, y;
         std::function<std::pair<Wide, Wide>()> refine;
-        std::shared_ptr<const ExactPoint> exact = nullptr;  ///< or none
-        std::vector<BranchId> on = {};                      ///< branches known to hold the point
+        std::shared_ptr<const OneRootPoint> exact = nullptr;  ///< or none
+        std::vector<BranchId> on = {};                        ///< branches known to hold the point
     };
 
     /// The branches are told one after the other, before the points on them.
     void add_branch(bool is_vertical);
 
     Point add(Data data);
-    Point add(ExactPoint p);
+    Point add(OneRootPoint p);
     /// The one point that is given by these coordinates.
     Point add(double x, double y);
     const Data& operator[](Point p) const { return points_[p].data; }

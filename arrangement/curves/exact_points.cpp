@@ -25,7 +25,7 @@ bool are_same_curve(const ExactForm& f, const ExactForm& g) {
     return true;
 }
 
-ExactPoint x_extreme(const ExactForm& f, Sign side) {
+OneRootPoint x_extreme(const ExactForm& f, Sign side) {
     const Exact discriminant = f.A * f.A + f.B * f.B - (f.K * f.C).scaled(2);
     assert(discriminant.sign() == Sign::Positive);
     const Exact s(static_cast<double>(f.K.sign()));
@@ -34,13 +34,13 @@ ExactPoint x_extreme(const ExactForm& f, Sign side) {
             doubled(s * f.K)};
 }
 
-ExactPoint foot_of_vertical(const ExactForm& f) {
+OneRootPoint foot_of_vertical(const ExactForm& f) {
     const Exact s(static_cast<double>(f.A.sign()));
     return {{-(s * f.C), {}, {}}, {}, s * f.A};
 }
 
 // The sign of the curve's equation tells the side of a line, and inside from outside of a circle.
-Sign exact_side_of(const ExactPoint& p, const ExactForm& f, Sign half) {
+Sign exact_side_of(const OneRootPoint& p, const ExactForm& f, Sign half) {
     const Exact& d = p.denominator;
     const OneRoot value = f.K * (p.x * p.x + p.y * p.y) + (d * f.A) * p.x + (d * f.B) * p.y + d * d * f.C;
     const Sign s = sign(value);
@@ -52,7 +52,7 @@ Sign exact_side_of(const ExactPoint& p, const ExactForm& f, Sign half) {
     return level;
 }
 
-bool is_on_half(const ExactPoint& p, const ExactForm& f, Sign half) {
+bool is_on_half(const OneRootPoint& p, const ExactForm& f, Sign half) {
     return half == Sign::Zero || sign(doubled(f.K) * p.y + p.denominator * f.B) != -half;
 }
 
@@ -61,11 +61,11 @@ bool is_on_half(const ExactPoint& p, const ExactForm& f, Sign half) {
 // (-a c, -b c) / n + s (-b, a), and those on K (x^2 + y^2) + A x + B y + C satisfy
 //     K n s^2 + m s + q / n = 0,   m = B a - A b,   q = K c^2 - c (A a + B b) + C n,
 // hence s = (-m -+ sqrt(m^2 - 4 K q)) / (2 K n).
-std::vector<ExactPoint> common_points(const ExactForm& f, const ExactForm& g) {
+std::vector<OneRootPoint> common_points(const ExactForm& f, const ExactForm& g) {
     const auto is_line = [](const ExactForm& c) { return c.K.sign() == Sign::Zero; };
     const auto make = [](OneRoot x, OneRoot y, Exact denominator) {
         const Exact s(denominator.sign() == Sign::Positive ? 1.0 : -1.0);
-        return ExactPoint{s * x, s * y, s * denominator};
+        return OneRootPoint{s * x, s * y, s * denominator};
     };
     if (is_line(f) && is_line(g)) {
         const Exact determinant = f.A * g.B - g.A * f.B;

@@ -14,7 +14,7 @@
 namespace vcell {
 
 /// x / denominator, y / denominator. denominator > 0.
-struct ExactPoint {
+struct OneRootPoint {
     OneRoot x, y;
     Exact denominator;
 };
@@ -30,17 +30,17 @@ ExactForm exact_form(const CircularForm& f);
 bool are_same_curve(const ExactForm& f, const ExactForm& g);
 
 /// Where x is least (Negative), or greatest (Positive). Pre: a circle.
-ExactPoint x_extreme(const ExactForm& circle, Sign side);
+OneRootPoint x_extreme(const ExactForm& circle, Sign side);
 /// A point of a line where y is 0. Pre: the line is vertical.
-ExactPoint foot_of_vertical(const ExactForm& line);
+OneRootPoint foot_of_vertical(const ExactForm& line);
 
 /// Is p above a half of the curve, on it, or below it? Pre: it is within its range of x; no line is vertical.
-Sign exact_side_of(const ExactPoint& p, const ExactForm& curve, Sign half);
+Sign exact_side_of(const OneRootPoint& p, const ExactForm& curve, Sign half);
 
 /// Does a point of the curve lie on this half?
-bool is_on_half(const ExactPoint& p, const ExactForm& curve, Sign half);
+bool is_on_half(const OneRootPoint& p, const ExactForm& curve, Sign half);
 
 /// Where two different curves meet: no point, one or two.
-std::vector<ExactPoint> common_points(const ExactForm& f, const ExactForm& g);
+std::vector<OneRootPoint> common_points(const ExactForm& f, const ExactForm& g);
 
 }  // namespace vcell

@@ -18,8 +18,8 @@ namespace {
 // face the outer component of a face is the one on the way there.
 class Components {
 public:
-    using Index = LabelledMesh::Index;
-    static constexpr Index none = LabelledMesh::none;
+    using Index = FormMesh::Index;
+    static constexpr Index none = FormMesh::none;
 
     explicit Components(std::size_t faces) : first_(faces, none) {}
 
@@ -74,14 +74,14 @@ private:
     std::vector<Index> first_, outer_;
 };
 
-Interval height_at(const Heights& heights, const LabelledMesh::Vertex& v, FormId form) {
+Interval height_at(const Heights& heights, const FormMesh::Vertex& v, FormId form) {
     const Interval x = Interval::ball(v.x, v.error), y = Interval::ball(v.y, v.error);
     return heights.value(form, x, y) * heights.scale(x, y);
 }
 
 // The forms of the faces around a vertex are equal there: the one whose coefficients cancel least tells the
 // height best, where the first one leaves few digits.
-void tell_height(const Heights& heights, const LabelledMesh::Vertex& v, std::span<const FormId> forms,
+void tell_height(const Heights& heights, const FormMesh::Vertex& v, std::span<const FormId> forms,
                  MinimizationDiagram::Vertex& to) {
     constexpr double enough_digits = 0x1p-44;
     for (const FormId f : forms) {
@@ -95,9 +95,9 @@ void tell_height(const Heights& heights, const LabelledMesh::Vertex& v, std::spa
 
 }  // namespace
 
-MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside, const Heights& heights) {
-    using Index = LabelledMesh::Index;
-    constexpr Index none = LabelledMesh::none;
+MinimizationDiagram frozen(const FormMesh& mesh, const MeshOutside& outside, const Heights& heights) {
+    using Index = FormMesh::Index;
+    constexpr Index none = FormMesh::none;
     const FormFamily& family = heights.family();
     const auto& vertices = mesh.vertices();
     const auto& edges = mesh.edges();
@@ -109,10 +109,9 @@ MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside,
 
     std::vector<Index> vertex_map(vertices.size(), none), edge_map(edges.size(), none),
         face_map(mesh.face_count() + 2, none);
-    const auto alive_edges =
-        static_cast<std::size_t>(std::ranges::count_if(edges, &LabelledMesh::Edge::alive));
+    const auto alive_edges = static_cast<std::size_t>(std::ranges::count_if(edges, &FormMesh::Edge::alive));
     const auto alive_vertices =
-        static_cast<std::size_t>(std::ranges::count_if(vertices, &LabelledMesh::Vertex::alive));
+        static_cast<std::size_t>(std::ranges::count_if(vertices, &FormMesh::Vertex::alive));
     out.dcel.reserve(alive_vertices, alive_edges, mesh.face_count() + 1);
     out.vertices.reserve(alive_vertices);
     out.edges.reserve(alive_edges);
@@ -120,7 +119,7 @@ MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside,
     for (Index v = 0; v < vertices.size(); ++v) {
         if (!vertices[v].alive) continue;
         vertex_map[v] = out.dcel.add_vertex().value;
-        const LabelledMesh::Vertex& from = vertices[v];
+        const FormMesh::Vertex& from = vertices[v];
         double size = from.height, off = from.height_error;
         if (from.lowest.valid()) {
             const Interval height = height_at(heights, from, from.lowest);
@@ -139,7 +138,7 @@ MinimizationDiagram frozen(const LabelledMesh& mesh, const MeshOutside& outside,
         out.edges.push_back({edges[e].left, edges[e].right, edges[e].side});
         if (family.is_all_circular()) continue;
         out.piece_offsets_.push_back(static_cast<std::uint32_t>(out.pieces_.size()));
-        for (const LabelledMesh::Link& l : mesh.links(e))
+        for (const FormMesh::Link& l : mesh.links(e))
             out.pieces_.push_back({l.to, l.to_error, l.direction, l.box});
     }
     if (!family.is_all_circular())

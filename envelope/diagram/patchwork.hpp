@@ -15,15 +15,15 @@
 
 #include "../circles/work_diagram.hpp"
 #include "../proofs/mixed_piece.hpp"
-#include "labelled_mesh.hpp"
+#include "form_mesh.hpp"
 #include "minimization_diagram.hpp"
 
 namespace vcell {
 
-class Patchwork : private LabelledMesh {
+class Patchwork : private FormMesh {
 public:
-    using LabelledMesh::Index;
-    using LabelledMesh::none;
+    using FormMesh::Index;
+    using FormMesh::none;
 
     /// Room for what this many forms usually leave.
     Patchwork(const FormFamily& family, std::size_t forms);
@@ -47,7 +47,7 @@ public:
     /// Takes over what another patchwork has made of a part of the region: the same as if the pieces had been
     /// added and glued here, but for what gluing has removed, which is left behind. Returns the new handle of
     /// the part that has this one there. Pre: circular forms alone; all seams of its own have been glued.
-    Index take(Patchwork&& part, Index handle) { return LabelledMesh::take(std::move(part), handle); }
+    Index take(Patchwork&& part, Index handle) { return FormMesh::take(std::move(part), handle); }
 
     /// Joins two pieces along a seam that is a whole side of both; returns the handle of their union.
     Index glue(Index piece, Index other, std::uint32_t seam);

@@ -17,11 +17,11 @@
 
 namespace vcell {
 
-struct LabelledHalfEdge {
+struct FormHalfEdge {
     std::uint32_t next, prev, origin, face;
 };
 
-class LabelledMesh : public HalfEdgeMesh<LabelledHalfEdge> {
+class FormMesh : public HalfEdgeMesh<FormHalfEdge> {
 public:
     struct Vertex {
         double x, y, error, height, height_error;
@@ -80,7 +80,7 @@ protected:
     /// attains the minimum at v.
     void smooth(Index v);
     /// Takes over what is alive of another one, in its order; `moved` is told what its half-edge becomes.
-    Index take(LabelledMesh&& part, Index half_edge);
+    Index take(FormMesh&& part, Index half_edge);
     /// Throws, in builds with asserts, if the mesh has a defect; faces count as united.
     void require_soundness();
 

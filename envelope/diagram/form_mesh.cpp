@@ -1,4 +1,4 @@
-#include "labelled_mesh.hpp"
+#include "form_mesh.hpp"
 
 #include <algorithm>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace vcell {
 
-void LabelledMesh::reserve(std::size_t forms) {
+void FormMesh::reserve(std::size_t forms) {
     const std::size_t n = forms + 16;
     vertices_.reserve(4 * n);
     edges_.reserve(6 * n);
@@ -18,14 +18,14 @@ void LabelledMesh::reserve(std::size_t forms) {
     united_faces_.reserve(2 * n);
 }
 
-LabelledMesh::Index LabelledMesh::add_ties(std::vector<FormId> forms) {
+FormMesh::Index FormMesh::add_ties(std::vector<FormId> forms) {
     sort_unique(forms);
     ties_.push_back(std::move(forms));
     return static_cast<Index>(ties_.size() - 1);
 }
 
 // The links of `edge` become those of both edges, `other` before or after it.
-void LabelledMesh::join_links(Index edge, Index other, bool other_first, bool reverse_other) {
+void FormMesh::join_links(Index edge, Index other, bool other_first, bool reverse_other) {
     if (edges_[edge].links == none) return;
     std::vector<Link>&mine = links_[edges_[edge].links], &theirs = links_[edges_[other].links];
     if (reverse_other) {
@@ -37,7 +37,7 @@ void LabelledMesh::join_links(Index edge, Index other, bool other_first, bool re
     theirs = {};
 }
 
-void LabelledMesh::merge_faces(Index f, Index g) {
+void FormMesh::merge_faces(Index f, Index g) {
     if (face_sites_[f] != face_sites_[g])
         throw InternalError("labels differ across a seam at face f" + std::to_string(f));
     f = united_faces_.find(f);
@@ -47,7 +47,7 @@ void LabelledMesh::merge_faces(Index f, Index g) {
 
 // What is alive keeps its order, and a face's smallest number stands for it: elements are numbered as if
 // they had always been here.
-LabelledMesh::Index LabelledMesh::take(LabelledMesh&& part, Index half_edge) {
+FormMesh::Index FormMesh::take(FormMesh&& part, Index half_edge) {
     std::vector<Index> faces, points, edges;
     faces.assign(part.face_sites_.size(), none);
     for (Index f = 0; f < faces.size(); ++f)
@@ -79,7 +79,7 @@ LabelledMesh::Index LabelledMesh::take(LabelledMesh&& part, Index half_edge) {
         if (!from.alive) continue;
         edges_.emplace_back(from).ties = take_ties(from.ties);
         for (const Index h : {2 * e, 2 * e + 1}) {
-            const LabelledHalfEdge& half = part.half_edges_[h];
+            const FormHalfEdge& half = part.half_edges_[h];
             half_edges_.push_back({moved(half.next), moved(half.prev),
                                    half.origin == none ? none : points[half.origin], face_of(half.face)});
         }
@@ -89,7 +89,7 @@ LabelledMesh::Index LabelledMesh::take(LabelledMesh&& part, Index half_edge) {
     return moved(half_edge);
 }
 
-std::vector<FormId> LabelledMesh::label_of_edge(Index e) const {
+std::vector<FormId> FormMesh::label_of_edge(Index e) const {
     std::vector<FormId> forms;
     if (edges_[e].ties != none) forms = ties_[edges_[e].ties];
     for (const FormId f : {edges_[e].left, edges_[e].right})
@@ -98,7 +98,7 @@ std::vector<FormId> LabelledMesh::label_of_edge(Index e) const {
     return forms;
 }
 
-void LabelledMesh::smooth(Index v) {
+void FormMesh::smooth(Index v) {
     if (!vertices_[v].alive || vertices_[v].out == none) return;
     const Index h = vertices_[v].out, g = next_around_origin(h);
     if (g == h || next_around_origin(g) != h) return;
@@ -124,10 +124,10 @@ void LabelledMesh::smooth(Index v) {
 }
 
 // Pieces and their union are judged alike: their faces are known by what stands for them.
-void LabelledMesh::require_soundness() {
+void FormMesh::require_soundness() {
 #ifndef NDEBUG
-    std::vector<LabelledHalfEdge> as_glued = half_edges_;
-    for (LabelledHalfEdge& h : half_edges_)
+    std::vector<FormHalfEdge> as_glued = half_edges_;
+    for (FormHalfEdge& h : half_edges_)
         if (h.face != none) h.face = united_faces_.find(h.face);
     if (const auto defect = find_defect([&](Index e) { return edges_[e].alive; }))
         throw InternalError("glued pieces: " + *defect);
