@@ -31,7 +31,8 @@ TEST_CASE("SmallVector: does as std::vector does, inside and outside") {
                 break;
             case 2: {
                 const std::size_t count = below(4);
-                CHECK(small.insert(small.begin() + at, count, i) == small.begin() + at);
+                const auto place = small.insert(small.begin() + at, count, i);
+                CHECK(place == small.begin() + at);
                 large.insert(large.begin() + at, count, i);
                 break;
             }

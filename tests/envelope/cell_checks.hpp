@@ -190,7 +190,7 @@ inline double stretch(const FormFamily& family, FormId form, const Vec3& p) {
 /// Measures by the midpoint rule on an n x n grid over the region's bounding rectangle, heights and slopes by
 /// brute force over all forms.
 struct SampledMeasures {
-    double volume = 0, area = 0, box_face_area = 0, min_clearance = std::numeric_limits<double>::infinity();
+    double volume = 0, area = 0, min_clearance = std::numeric_limits<double>::infinity();
     double max_clearance = 0;
     double min_within = 0;  ///< by how much it may be less than min_clearance within half a sample's diagonal
 };
@@ -222,10 +222,9 @@ inline SampledMeasures sample_measures(const PlaneBaseProblem& problem, int n) {
                     best = f;
                 }
             }
-            const double stretched = stretch(problem.family, best, {x, y, height}),
-                         area = cell_area * stretched;
+            const double stretched = stretch(problem.family, best, {x, y, height});
             m.volume += cell_area * height;
-            (problem.sites[best].front().is_object() ? m.area : m.box_face_area) += area;
+            if (problem.sites[best].front().is_object()) m.area += cell_area * stretched;
             if (height < m.min_clearance) {
                 m.min_clearance = height;
                 m.min_within = 0.5 * step.norm() * std::sqrt(stretched * stretched - 1);
@@ -234,6 +233,32 @@ inline SampledMeasures sample_measures(const PlaneBaseProblem& problem, int n) {
         }
     }
     return m;
+}
+
+/// The area of the sides of the box in which rays along the base's normal leave the cell, by the midpoint
+/// rule on an n x n grid of each: however steeply a side leans over the base, nothing is missed.
+inline double sample_box_face_area(const Scene& scene, int n) {
+    const Vec3 up = std::get<Plane>(scene.base).normal.normalized(), size = scene.box.max - scene.box.min;
+    const auto in_box = [&](const Vec3& p) {
+        return (p.array() >= scene.box.min.array()).all() && (p.array() <= scene.box.max.array()).all();
+    };
+    double area = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (up[axis] == 0) continue;
+        const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+        Vec3 p = up[axis] > 0 ? scene.box.max : scene.box.min;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) {
+                p[a] = scene.box.min[a] + (i + 0.5) / n * size[a];
+                p[b] = scene.box.min[b] + (j + 0.5) / n * size[b];
+                const double height = clearance(scene, p);
+                if (height < 0 || !in_box(p - height * up)) continue;
+                if (std::ranges::all_of(scene.objects,
+                                        [&](const Object& o) { return distance_to(o, p) >= height; }))
+                    area += size[a] / n * size[b] / n;
+            }
+    }
+    return area;
 }
 
 }  // namespace vcell::testing

@@ -44,7 +44,8 @@ void check_measures(const Cell& cell) {
     CHECK(m.volume_error < 1e-11 * m.volume);
     CHECK(m.area_error < 1e-10 * (m.area + 1e-3));
     CHECK(m.min_clearance <= sampled.min_clearance + 1e-15);
-    CHECK(m.min_clearance == doctest::Approx(sampled.min_clearance).epsilon(1e-2));
+    // Where a side of the box leans over the base, it comes down to it next to a sample.
+    CHECK(m.min_clearance >= (1 - 1e-2) * sampled.min_clearance - sampled.min_within);
     CHECK(m.max_clearance >= sampled.max_clearance - 1e-15);
     CHECK(m.max_clearance == doctest::Approx(sampled.max_clearance).epsilon(3e-2));
     double object_area = 0, box_face_area = 0, flat = 0;
@@ -59,7 +60,8 @@ void check_measures(const Cell& cell) {
     CHECK(flat > 0);
     CHECK(m.area == doctest::Approx(object_area).epsilon(1e-13));
     CHECK(m.box_area >= box_face_area);
-    CHECK(box_face_area == doctest::Approx(sampled.box_face_area).epsilon(1e-2).scale(m.base_area));
+    CHECK(box_face_area ==
+          doctest::Approx(testing::sample_box_face_area(cell.scene, 300)).epsilon(1e-2).scale(m.base_area));
     CHECK(m.body_volume == 0);
 }
 

@@ -16,7 +16,7 @@ TEST_CASE("sphere cell: curves, trims and loops fit together in random scenes") 
         const Scene scene = make.scene(1 + i % 15, i % 3 == 0 ? 4 : i % 3 == 1 ? 20 : 100, 0.15, i % 4 == 0);
         CAPTURE(i);
         const Cell cell = cell_of(scene);
-        check_cell(cell);
+        check_cell(cell, 1e-8);  // some are as narrow as that asks for
         check_faces_by_rays(cell, rng, 3);
     }
 }

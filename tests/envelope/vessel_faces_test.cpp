@@ -451,8 +451,8 @@ TEST_CASE("vessel faces: of a sphere that few balls share patches reach far arou
     }
 }
 
-// Turns by quarters are exact. The middle of a face, about which its patch is, is that of pieces of the chart,
-// which a turn changes: one patch of a higher degree may hold what two hold after it.
+// Turns by quarters are exact. The middle of a face, about which its patch is, is that of pieces of the
+// chart, which a turn changes: one patch of a higher degree may hold what two hold after it.
 TEST_CASE("vessel faces: cells of turned scenes have as large faces, in one patch or in two") {
     std::mt19937_64 rng(test_seed() + 1);
     int around = 0;

@@ -3,7 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 #include <random>
+#include <string>
 
 #include "../../core/errors.hpp"
 #include "../../envelope/diagram/minimization_diagram.hpp"
@@ -35,7 +37,7 @@ double least_distance(const Scene& scene, const Vec3& p) {
 TEST_CASE("point query: inside is nearer to the base than to all else, over every base") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> part(0, 1);
-    int judged = 0, inside = 0, outside = 0;
+    int judged = 0, inside = 0, outside = 0, undecided = 0;
     for (const char* name :
          {"balls", "mix", "tubes", "integers", "lattice", "bundle", "vessels", "silos", "nested"})
         for (const BaseKind base : base_kinds)
@@ -43,15 +45,21 @@ TEST_CASE("point query: inside is nearer to the base than to all else, over ever
                 const auto family = std::ranges::find(families(), std::string(name), &Family::name);
                 const Scene scene = family->make(rng, base);
                 if (!is_legal(scene)) continue;
-                PointQuery query(scene);
-                CAPTURE(name);
+                CAPTURE(std::string(name));
                 CAPTURE(to_string(base));
+                std::optional<PointQuery> query;
+                try {
+                    query.emplace(scene);
+                } catch (const UndecidedError&) {
+                    ++undecided;
+                    continue;
+                }
                 const double size = scene.box.diagonal();
                 for (int k = 0; k < 40; ++k) {
                     const Vec3 p =
                         scene.box.min +
                         Vec3(part(rng), part(rng), part(rng)).cwiseProduct(scene.box.max - scene.box.min);
-                    const auto answer = query(p);
+                    const auto answer = (*query)(p);
                     if (!answer) continue;
                     const bool behind =
                         std::holds_alternative<Plane>(scene.base) &&
@@ -68,6 +76,7 @@ TEST_CASE("point query: inside is nearer to the base than to all else, over ever
     CHECK(judged > 500);
     CHECK(inside > 50);
     CHECK(outside > 50);
+    CHECK(undecided <= rounds());  // nested walls may be as near in every direction
 }
 
 TEST_CASE("form locator: the form that comparing all of them finds, ties included") {

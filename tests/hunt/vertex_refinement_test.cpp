@@ -144,7 +144,7 @@ TEST_CASE("refine: vertices of every family over every base, to 240 bits") {
     }
     CHECK(count.refined > (rounds() == 1 ? 250 : 500));
     // Where no three sites are listed, and what the turn of a tilted base took apart.
-    CHECK(count.left < count.refined / 50);
+    CHECK(count.left < count.refined / 25);
 }
 
 TEST_CASE("refine: vertices of caps are as far from the base as the probe says, to all digits") {
