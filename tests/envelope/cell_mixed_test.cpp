@@ -49,8 +49,8 @@ void check_measures(const Cell& cell, double tolerance) {
     const PlaneBaseProblem problem = plane_base_problem(cell.scene);
     const testing::SampledMeasures sampled = testing::sample_measures(problem, 400);
     const Measures& m = cell.measures;
-    CHECK(m.volume == doctest::Approx(sampled.volume).epsilon(1e-3));
-    CHECK(m.area == doctest::Approx(sampled.area).epsilon(3e-3));
+    CHECK(m.volume == doctest::Approx(sampled.volume).epsilon(3e-3));
+    CHECK(m.area == doctest::Approx(sampled.area).epsilon(6e-3));
     CHECK(m.min_clearance <= sampled.min_clearance + 1e-12);
     // Where a side of the box leans over the base, it comes down to it next to a sample.
     CHECK(m.min_clearance >= (1 - 5e-2) * sampled.min_clearance - sampled.min_within);
