@@ -248,10 +248,11 @@ TEST_CASE("bodies: balls that reach beyond the wall of a hollow sphere, in any d
             2 * pi *
             (r * r * r / 3 * (c + 1) +
              A * A * A / (6 * d) * (1 / ((B + d * c) * (B + d * c)) - 1 / ((B + d) * (B + d))));
-        const Vec3 middle(4, 4, 4), way = Vec3(unit(rng), unit(rng), unit(rng)).normalized();
+        // What is nearer to the ball reaches no farther than (R + r + d) / 2 < 5 from the middle.
+        const Vec3 middle(5, 5, 5), way = Vec3(unit(rng), unit(rng), unit(rng)).normalized();
         CAPTURE(d);
         const VoronoiDiagram diagram =
-            with_bodies(scene_in(8, {HollowSphere{middle, R}, Sphere{middle + d * way, r}}));
+            with_bodies(scene_in(10, {HollowSphere{middle, R}, Sphere{middle + d * way, r}}));
         check_body(diagram.cells[1], expected, 1e-5);
     }
 }
