@@ -44,9 +44,9 @@ public:
     /// scene's diagram; objects do not descend from call to call. Throws as tessellate().
     CellMesh add(std::uint32_t object, const Cell& cell);
 
-    /// As add(), but none, and no further cells are to be added, where the cell has more triangles than that
-    /// with its chord, or an edge more than 4096 pieces. (add() lets the chord of a cell grow that has more
-    /// than a million.)
+    /// Does what add() does unless the cell has more triangles than that with its chord, or an edge more than
+    /// 4096 pieces: then there is no mesh, and no further cells are to be added. (add() lets the chord of a
+    /// cell grow that has more than a million.)
     std::optional<CellMesh> add_within(std::uint32_t object, const Cell& cell, std::size_t most_triangles);
 
     /// Faces so far that a cell has drawn although the cell beyond had come before.

@@ -6,7 +6,7 @@
 namespace vcell {
 
 std::vector<double> growing_chords(double chord) {
-    // With a finer one a curved face takes more triangles than anyone may ask for.
+    // A curved face takes more triangles with a finer one than anyone may ask for.
     constexpr double least_grown = 0x1p-32;
     std::vector<double> chords{chord};
     while (chords.back() < 1) chords.push_back(std::clamp(chord_step * chords.back(), least_grown, 1.0));

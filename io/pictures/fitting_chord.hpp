@@ -23,7 +23,8 @@ public:
     /// Pre: there are chords, all > 0. Throws as ConformingMeshes().
     FittingChord(const DiagramScene& scene, std::span<const double> chords, std::size_t most_triangles);
 
-    /// As ConformingMeshes::add(). False where all chords have been given up.
+    /// Counts a cell's triangles; cells come as ConformingMeshes::add() wants them. False where all chords
+    /// have been given up.
     bool add(std::uint32_t object, const Cell& cell);
 
     bool fits() const { return levels_.front().meshes != nullptr; }

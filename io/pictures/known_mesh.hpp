@@ -48,7 +48,7 @@ struct TooFine {};
 /// of known faces have known lines, whose sides the faces' triangles have.
 CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
 
-/// The same with the chord that is asked for and no other: throws TooFine where it takes more than
+/// That mesh has the chord that is asked for, and no other: TooFine is thrown where it takes more than
 /// `most_triangles`, or more than 4096 pieces of an edge.
 CellMesh tessellate_with_chord(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
 
