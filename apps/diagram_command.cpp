@@ -90,8 +90,9 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->type_name("PART%")
         ->capture_default_str();
     command_
-        .add_option("--triangles", most_triangles_,
-                    "meshes: as many at most in all cells together; the chord grows until they are no more")
+        .add_option(
+            "--triangles", most_triangles_,
+            "meshes: the chord grows until all cells together have no more, or only edges ask for them")
         ->check(count_complaint)
         ->type_name("N");
     command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")

@@ -10,11 +10,13 @@ namespace vcell {
 template <class Make>
 Cell first_cell(const Make& make) {
     constexpr int most_tries = 100;
-    for (int tries = 0;; ++tries) try {
+    for (int tries = 0;; ++tries) {
+        try {
             return voronoi_cell(make());
         } catch (const InputError& error) {
             if (error.kind != InputError::Kind::TouchesBase || tries == most_tries) throw;
         }
+    }
 }
 
 }  // namespace vcell
