@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numbers>
 #include <optional>
+#include <ranges>
 #include <utility>
 #include <variant>
 
@@ -12,6 +13,7 @@
 #include "../../core/threads.hpp"
 #include "../../primitives/bases/axial_terms.hpp"
 #include "../object_distance.hpp"
+#include "sectors_around.hpp"
 #include "trim_bounds.hpp"
 
 namespace vcell::radial {
@@ -184,6 +186,7 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     for (const Sector& s : sectors_[face]) {
         const PatchCoordinates& at = s.patch.coordinates();
         site.parts.push_back({at, at[0], {-s.reach(), s.reach()}, &s.patch});
+        site.starts.push_back(s.from);
     }
     return site;
 }
@@ -273,7 +276,7 @@ void FacePatches::change_and_cut(FaceId face) {
 bool FacePatches::narrow(FaceId face, const std::vector<bool>& is_too_wide) {
     std::vector<Sector> finer;
     for (std::size_t i = 0; i < sectors_[face].size(); ++i) {
-        const auto& [from, to, patch] = sectors_[face][i];
+        const double from = sectors_[face][i].from, to = sectors_[face][i].to;
         if (!is_too_wide[i]) {
             finer.push_back(sectors_[face][i]);
             continue;
@@ -290,11 +293,10 @@ bool FacePatches::narrow(FaceId face, const std::vector<bool>& is_too_wide) {
 std::uint32_t FacePatches::part_of(FaceId face, const Vec3& p, bool rises) const {
     if (const SurfaceHalves* two = halves(face)) return two->half_of(p);
     const double inwards = rises ? -seam_inwards : seam_inwards;
-    const auto outside = [&](const Sector& s) {
-        return std::abs(s.patch.parameters(p).x() + inwards) - s.reach();
-    };
     const std::vector<Sector>& all = sectors_[face];
-    return static_cast<std::uint32_t>(std::ranges::min_element(all, {}, outside) - all.begin());
+    return sector_around(
+        all | std::views::transform(&Sector::from), std::atan(all.front().patch.parameters(p).x()),
+        [&](std::size_t i) { return std::abs(all[i].patch.parameters(p).x() + inwards) - all[i].reach(); });
 }
 
 }  // namespace vcell::radial

@@ -26,13 +26,20 @@ namespace vcell::radial {
 
 /// What lies between two angles of the chart around a cylinder, or about a vessel's axis over a sphere, with
 /// a patch of its own.
-struct Sector {
+class Sector {
+public:
+    Sector(double start, double end, const RadialPatch& of)
+        : from(start), to(end), patch(of), reach_(std::tan(0.25 * (end - start))) {}
+
     double from, to;
     RadialPatch patch;
 
     double width() const { return to - from; }
     /// u at its end, and -u at its start.
-    double reach() const { return std::tan(0.25 * (to - from)); }
+    double reach() const { return reach_; }
+
+private:
+    double reach_;
 };
 
 class FacePatches {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "../../core/curves/quintic_nodes.hpp"
+#include "sectors_around.hpp"
 
 namespace vcell::space_fit {
 
@@ -92,7 +93,14 @@ Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
             const double x = c(X) + (rises ? -seam_inwards : seam_inwards);
             return std::max(part.range[0] - x, x - part.range[1]);
         };
-        auto best = std::ranges::min_element(parts, {}, outside);
+        auto best = parts.begin();
+        if (const std::vector<double>& starts = arc.sites[side].starts; !starts.empty()) {
+            const PatchCoordinate& c = best->across;
+            const double half = std::atan2(at(c.numerator, X), at(c.divisor, X));
+            best += sector_around(starts, half, [&](std::size_t i) { return outside(parts[i]); });
+        } else {
+            best = std::ranges::min_element(parts, {}, outside);
+        }
         trims.seam = crossed_seam(*best, points, tolerance);
         if (trims.seam && outside(*best) > -2 * seam_inwards) {
             // Just beside a seam the part may not be the one that the span leaves the seam for.

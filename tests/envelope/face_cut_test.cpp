@@ -1,12 +1,18 @@
-// Faces cut into parts about an axis: what seams make of loops of straight runs, against areas by hand.
+// Faces cut into parts about an axis: what seams make of loops of straight runs, against areas by hand, and
+// the sector that a point is in, against a look at all of them.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "../../envelope/lift/face_cut.hpp"
 #include "../../envelope/lift/joined_spans.hpp"
+#include "../../envelope/lift/sectors_around.hpp"
+#include "../test_support.hpp"
 
 namespace vcell::face_cut_test {
 namespace {
@@ -65,6 +71,37 @@ TEST_CASE("face cut: a seam divides a loop with many corners") {
         sum += area(part.loops.front());
     }
     CHECK(std::abs(sum - (3 - 0.375 - 0.1875 + 3 + 0.375)) < 1e-14);
+}
+
+TEST_CASE("sectors around: the one found is the one a point is least outside of, of all") {
+    using std::numbers::pi;
+    std::mt19937_64 random(test_seed());
+    std::uniform_real_distribution<double> angle(-pi, pi);
+    for (const std::size_t count : {2u, 3u, 40u, 500u}) {
+        const double start = angle(random);
+        std::vector<double> starts{start};
+        for (std::size_t i = 1; i < count; ++i)
+            starts.push_back(start + pi + (count == 2 ? 0.3 : 1) * angle(random));
+        std::ranges::sort(starts);
+        const auto end = [&](std::size_t i) { return i + 1 < count ? starts[i + 1] : start + 2 * pi; };
+        std::size_t found_in_last = 0;
+        for (int k = 0; k < 1000; ++k) {
+            // Every second one is on a side but for rounding.
+            const double p = k % 2 == 0 ? angle(random) : starts[static_cast<std::size_t>(k) % count];
+            const auto half_from = [&](std::size_t i) {
+                return 0.5 * std::remainder(p - 0.5 * (starts[i] + end(i)), 2 * pi);
+            };
+            const auto outside = [&](std::size_t i) {
+                return std::abs(std::tan(half_from(i)) + 0x1p-32) - std::tan(0.25 * (end(i) - starts[i]));
+            };
+            double least = outside(0);
+            for (std::size_t i = 1; i < count; ++i) least = std::min(least, outside(i));
+            const std::uint32_t found = sector_around(starts, half_from(0), outside);
+            REQUIRE(outside(found) == least);
+            found_in_last += found + 1 == count;
+        }
+        CHECK(found_in_last > 0);
+    }
 }
 
 }  // namespace vcell::face_cut_test
