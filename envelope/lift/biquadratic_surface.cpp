@@ -69,7 +69,9 @@ void for_each_control_of(const BiquadraticSurface& from, const std::array<double
 template <class Use>
 void BiquadraticSurface::for_each_control(const std::array<double, 2>& u, const std::array<double, 2>& v,
                                           Use use) const {
-    if (degree_[0] == 1) return for_each_control_of<1, 1, true>(*this, u, v, use);
+    if (degree_[0] == 1)
+        return terms_ == Terms::Total ? for_each_control_of<1, 1, true>(*this, u, v, use)
+                                      : for_each_control_of<1, 1, false>(*this, u, v, use);
     if (degree_[1] == 1) return for_each_control_of<2, 1, false>(*this, u, v, use);
     if (terms_ == Terms::Total) return for_each_control_of<2, 2, true>(*this, u, v, use);
     for_each_control_of<2, 2, false>(*this, u, v, use);

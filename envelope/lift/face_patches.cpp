@@ -213,6 +213,10 @@ RadialPatch FacePatches::patch_around(FaceId face, const CylinderTurns::Extent& 
 void FacePatches::add_around_cylinder(FaceId face) {
     const CylinderTurns::Extent e = turns_.extent(face);
     refuse_around_tip(face, e);
+    if (const auto axes = SkewAxes::of(problem_, diagram_.face_forms[face], e.y)) {
+        patches_[face] = RadialPatch(*axes);
+        return;
+    }
     const RadialPatch& patch = patches_[face] = patch_around(face, e, false);
     if (patch.kind() == RadialPatch::Kind::Planar) return;
     if (patch.half()) {

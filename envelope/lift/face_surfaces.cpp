@@ -201,13 +201,14 @@ bool FaceSurfaces::is_good(FaceId face, const std::optional<RationalPatch>& surf
 }
 
 // Seen from the base's centre points of a needle have nearly one direction: what its patch makes of trims in
-// doubles may be anything.
+// doubles may be anything. So may be what a steep graph makes of them.
 bool FaceSurfaces::lacks_digits(FaceId face) const {
-    if (patches_[face].kind() != RadialPatch::Kind::Stereographic) return false;
+    const RadialPatch::Kind kind = patches_[face].kind();
+    if (kind != RadialPatch::Kind::Stereographic && kind != RadialPatch::Kind::Graph) return false;
+    const double most = kind == RadialPatch::Kind::Graph ? fits_.most_error() : 2 * fits_.tolerance();
     bool lacks = false;
-    loops_.around(face, [&](EdgeId e, bool) {
-        lacks = lacks || (curves_.is_spline(e) && !(fits_.error(e) <= 2 * fits_.tolerance()));
-    });
+    loops_.around(
+        face, [&](EdgeId e, bool) { lacks = lacks || (curves_.is_spline(e) && !(fits_.error(e) <= most)); });
     return lacks;
 }
 

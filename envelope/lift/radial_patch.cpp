@@ -66,11 +66,21 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
     }
 }
 
+RadialPatch::RadialPatch(const SkewAxes& axes) {
+    set_degree(1, 1, Terms::Product);
+    set_axes(Kind::Graph, axes.x, axes.y, axes.origin);
+    const Vector4d fall = -axes.steep * vector(axes_[2]);
+    add(0, 0, vector(origin_) + weight + 0.5 * axes.apart * vector(axes_[2]));
+    add({axes.x0, 1, 0}, {axes.y0, 1, 0}, fall);
+    add(1, 0, vector(axes.x));
+    add(0, 1, vector(axes.y));
+}
+
 void RadialPatch::set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin) {
     kind_ = kind;
     axes_ = {x, y, x.cross(y)};
     origin_ = origin;
-    if (kind == Kind::Planar)
+    if (kind == Kind::Planar || kind == Kind::Graph)
         coordinates_ = {PatchCoordinate::linear(x, origin), PatchCoordinate::linear(y, origin)};
     if (kind == Kind::Stereographic)
         coordinates_ = {PatchCoordinate::half_angle(origin, axes_[2], x, 0),

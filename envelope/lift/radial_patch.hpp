@@ -13,6 +13,10 @@
 /// before it: polynomial, (2, 2). Affine in space: a trim is an affine image of the space curve, on the same
 /// knots and weights.
 ///
+/// *Graph.* A cylinder of the base's radius over a cylinder base, skew to it: (u, v) are lengths along both
+/// axes' plane (skew_axes.hpp). S is a polynomial, (1, 1), and a trim an affine image of the space curve: one
+/// patch will do however far the face reaches around the base.
+///
 /// *Stereographic.* Spheres over a sphere base, centre c: S = (|c|^2 - delta^2) n / (2 (c.n + delta W)), (2,
 /// 2), about the direction of c: the surface's points at infinity are the circle u^2 + v^2 = (|c| + delta) /
 /// (|c| - delta), and the pole lies beyond them. A rectangle that reaches across them has no patch; then it
@@ -89,12 +93,13 @@
 #include "../../primitives/bases/radial_base.hpp"
 #include "biquadratic_surface.hpp"
 #include "patch_coordinate.hpp"
+#include "skew_axes.hpp"
 
 namespace vcell {
 
 class RadialPatch : public BiquadraticSurface {
 public:
-    enum class Kind : std::uint8_t { Planar, Stereographic, Confocal, AboutObject, AboutBase };
+    enum class Kind : std::uint8_t { Planar, Graph, Stereographic, Confocal, AboutObject, AboutBase };
 
     RadialPatch() = default;
     /// The patch of a form over a face. `middle`: a unit normal of the base in the middle of the face; of
@@ -106,14 +111,15 @@ public:
     /// infinity.
     RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
                 bool wide = false);
-
+    explicit RadialPatch(const SkewAxes& axes);
     Kind kind() const { return kind_; }
 
     /// A cylinder's patch may be for half of a cylinder base only: n.half() >= 0 for its normals n.
     const std::optional<Vec3>& half() const { return half_; }
     /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
-    /// (u, v) is (x, y) on Planar, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal; on
-    /// AboutObject and AboutBase u = y / (|(x, y)| + x), and v is linear in p and, of vessels, in |(x, y)|.
+    /// (u, v) is (x, y) on Planar and Graph, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal;
+    /// on AboutObject and AboutBase u = y / (|(x, y)| + x), and v is linear in p and, of vessels, in |(x,
+    /// y)|.
     const std::array<Vec3, 3>& axes() const { return axes_; }
     const Vec3& origin() const { return origin_; }
     /// What v is per length, on AboutObject and AboutBase.
@@ -129,8 +135,8 @@ public:
         return {u, v};
     }
 
-    /// The parameters as functions in space. On Planar, Stereographic and Confocal both have one divisor: so
-    /// along rational curves (p, t) these parameters are rational, of their degree.
+    /// The parameters in space. But on AboutObject and AboutBase both have one divisor, and along rational
+    /// curves (p, t) degree and weights of these.
     const PatchCoordinates& coordinates() const { return coordinates_; }
     /// (u w, v w, w) there, of a point times its weight; some w > 0.
     Eigen::Vector3d projected(const Eigen::Vector4d& x, double weight) const {
@@ -177,7 +183,7 @@ std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
     };
     const T qx = p[0] - T(origin_.x()), qy = p[1] - T(origin_.y()), qz = p[2] - T(origin_.z());
     const T x = along(axes_[0], qx, qy, qz), y = along(axes_[1], qx, qy, qz);
-    if (kind_ == Kind::Planar) return {x, y};
+    if (kind_ == Kind::Planar || kind_ == Kind::Graph) return {x, y};
     if (kind_ == Kind::Stereographic) {
         const T reach = sqrt(qx * qx + qy * qy + qz * qz) + along(axes_[2], qx, qy, qz);
         return {x / reach, y / reach};

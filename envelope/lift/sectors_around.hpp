@@ -9,6 +9,8 @@
 #include <numbers>
 #include <ranges>
 
+#include "../../core/platform.hpp"
+
 namespace vcell {
 
 /// The sector that a point is least outside of. `starts`: the angles at which sectors begin, two or more,

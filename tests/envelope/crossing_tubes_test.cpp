@@ -19,6 +19,43 @@ TEST_CASE("cylinder cell: crossing axes of equal radius have planes for bisector
         if (face.site.is_object()) CHECK(face.bisector == "plane");
 }
 
+TEST_CASE("cylinder cell: a skew tube of the base's radius has one patch, however far it reaches around") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> at(-1, 1);
+    const auto random = [&] { return Vec3(at(rng), at(rng), at(rng)); };
+    // A ball and another tube end the face.
+    for (const double apart : {2.0, 0.25, 0x1p-7, 0x1p-14})
+        for (const double sine : {1.0, 0.5, 0x1p-4}) {
+            const Vec3 axis = random().normalized(), across = axis.unitOrthogonal(), z = axis.cross(across),
+                       crossing = 0.5 * axis;
+            const Cylinder tube{crossing + apart * z, std::sqrt(1 - sine * sine) * axis + sine * across, 0.5};
+            const Scene scene = about_tube({Vec3::Zero(), axis, 0.5}, 6,
+                                           {tube, Sphere{5 * random().normalized(), 0.25},
+                                            Cylinder{4 * z, at(rng) * axis + across, 0.125}});
+            CAPTURE(apart);
+            CAPTURE(sine);
+            const Cell cell = checked(scene);
+            std::size_t faces = 0;
+            for (const CellFace& face : cell.faces) {
+                if (face.site != Site::object(0)) continue;
+                ++faces;
+                REQUIRE(face.patches.size() == 1);
+                const RationalPatch& surface = face.patches[0].surface;
+                CHECK(surface.degree_u == 1);
+                CHECK(surface.degree_v == 1);
+                // Beyond the trims, too.
+                for (int k = 0; k < 9; ++k) {
+                    const double s = 0.5 * (k / 3), t = 0.5 * (k % 3);
+                    const Vec3 p = surface.evaluate(std::lerp(surface.domain_u[0], surface.domain_u[1], s),
+                                                    std::lerp(surface.domain_v[0], surface.domain_v[1], t));
+                    const double far = p.norm();
+                    CHECK(residual(scene, face.site, p) <= 1e-12 * (1 + far * far));
+                }
+            }
+            CHECK(faces > 0);
+        }
+}
+
 TEST_CASE("cells: among tubes of one radius that cross") {
     const Vec3 crossing(0, 2, -2);
     const Cylinder along_x{crossing, {1, 0, 0}, 0.25}, oblique{crossing, {0, 1, 1}, 0.25},
