@@ -483,7 +483,7 @@ private:
         } else {
             sums_.faces[use.face].is_proved = false;
             const auto [volume, area, of_shadow] = enough_for_estimates(e, span);
-            sum = estimated<2>({volume, area}, effort_, density);
+            sum = estimated<2>({volume, area}, 16 * effort_, density);
         }
         add(use, sum[0], sum[1], 0.0);
     }

@@ -6,15 +6,25 @@ namespace {
 
 using Body = Surface<Interval>;
 
-// The square of the distance of the points that both ways come from.
-Interval apart(const Body& a, const Body& b, const Vector<Interval>& box) {
-    const bool is_tube = a.kind == Body::Kind::cylinder, is_other = b.kind == Body::Kind::cylinder;
-    if (is_tube && is_other) {
+// The square of the distance of the feet on two axes. Where p moves by a length their difference moves by no
+// more.
+Interval feet_apart(const Body& a, const Body& b, const Net& net, double margin) {
+    const auto between = [&](const Vector<Interval>& p) {
         const auto foot = [&](const Body& tube) {
-            return tube.point + dot(tube.direction, box - tube.point) * tube.direction;
+            return tube.point + dot(tube.direction, p - tube.point) * tube.direction;
         };
-        return square(foot(a) - foot(b));
-    }
+        return foot(a) - foot(b);
+    };
+    Vector<Interval> all = between(net.control(0, 0));
+    for (int i = 0; i <= net.degree_s(); ++i)
+        for (int j = 0; j <= net.degree_t(); ++j) all = hull(all, between(net.control(i, j)));
+    return square(box_about(all, margin));
+}
+
+// The square of the distance of the points that both ways come from.
+Interval apart(const Body& a, const Body& b, const Net& net, double margin, const Vector<Interval>& box) {
+    const bool is_tube = a.kind == Body::Kind::cylinder, is_other = b.kind == Body::Kind::cylinder;
+    if (is_tube && is_other) return feet_apart(a, b, net, margin);
     if (!is_tube && !is_other) return square(b.point - a.point);
     const Body &tube = is_tube ? a : b, &ball = is_tube ? b : a;
     return square(cross(tube.point - ball.point, tube.direction)) +
@@ -23,8 +33,9 @@ Interval apart(const Body& a, const Body& b, const Vector<Interval>& box) {
 
 }  // namespace
 
-double least_slope(const Space<Interval>& space, std::uint32_t object, const Vector<Interval>& box,
+double least_slope(const Space<Interval>& space, std::uint32_t object, const Net& net, double margin,
                    double size) {
+    const Vector<Interval> box = box_about(net.box(), margin);
     const Body &base = space.base(), own = space.object(object);
     const bool is_base_plane = base.kind == Body::Kind::plane, is_plane = own.kind == Body::Kind::plane;
     if (own.is_hollow && own.kind == Body::Kind::cylinder)
@@ -41,8 +52,8 @@ double least_slope(const Space<Interval>& space, std::uint32_t object, const Vec
         const Interval height = plane.distance(body.point) + body.radius + rise;
         squared = 2.0 * (is_plane ? height - excess : height + excess) / way(body);
     } else {
-        squared =
-            (apart(base, own, box) - square(own.radius - base.radius + excess)) / (way(base) * way(own));
+        squared = (apart(base, own, net, margin, box) - square(own.radius - base.radius + excess)) /
+                  (way(base) * way(own));
     }
     return squared.lower() > 0 ? sqrt(Interval(squared.lower())).lower() : 0;
 }

@@ -94,7 +94,7 @@ private:
         const ExcessAlong along(space(), tile.net);
         double size = 0;
         for (const Condition& c : judged_.own) size = std::max(size, magnitude(along.excess(c)).upper());
-        return {size, distance(tile.net.box(), size)};
+        return {size, distance(tile.net, size)};
     }
     /// Is the bisector one of a ball and a ball or a plane?
     bool is_of_spheres() const {
@@ -141,13 +141,13 @@ private:
     }
     /// How far from the bisector a point with that excess may be: size / s where the gradient is at least s
     /// on the way there, along which the excess only falls.
-    std::optional<double> distance(const Vector<Interval>& box, double size) const {
+    std::optional<double> distance(const Net& net, double size) const {
         return distance_where(
             [&](double margin) -> std::optional<double> {
-                const Vector<Interval> around = box_about(box, margin);
+                const Vector<Interval> around = box_about(net.box(), margin);
                 const double slope = sqrt(square(space().gradient(judged_.own[0], around))).lower();
                 if (slope > 0 || !judged_.own[0].site.is_object()) return slope;
-                const double least = least_slope(space(), judged_.own[0].site.index, around, size);
+                const double least = least_slope(space(), judged_.own[0].site.index, net, margin, size);
                 return least * most_distance() >= size ? least : 0;
             },
             size);

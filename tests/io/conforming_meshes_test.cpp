@@ -498,7 +498,7 @@ TEST_CASE("conforming meshes: parts that meet near an apex have no triangle turn
 // patches are strips that are narrower than a chord there.
 TEST_CASE("conforming meshes: no triangle is turned over in strips of a sharply folded face") {
     const DiagramScene scene =
-        scene_of({Cylinder{{4, 4, 4}, {2, 1, 0}, 0.25}, Cylinder{{4, 4, 4.125}, {-1, 1, 1}, 0.25}},
+        scene_of({Cylinder{{4, 4, 4}, {2, 1, 0}, 0.25}, Cylinder{{4, 4, 4.125}, {-1, 1, 1}, 0.2499}},
                  {Vec3::Zero(), Vec3::Constant(8)});
     check_fits(scene, 1e-9);
     const Soup soup = conforming(scene);

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -49,11 +50,20 @@ TEST_CASE("least slope: no gradient is shorter where the excess is small, and at
         scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
         const Space<Interval> space(scene);
         const Vec3 middle = 2 * r.point();
-        const double half = round % 2 == 0 ? 0 : 0.1 * std::abs(r.at());
-        // The box's own excesses are the ones asked about.
+        // A point, or the points about a bilinear patch, all the farther the flatter it is.
+        const double half = round % 2 == 0 ? 0 : 0.2 * std::abs(r.at()), margin = half * 0.5 * (1 + r.at());
+        std::array<Vec3, 4> corners;
+        for (Vec3& c : corners) c = middle + (half - margin) * r.point();
+        Net net(1, 1, Vec3::Zero());
+        for (int k = 0; k < 4; ++k)
+            net.at(k / 2, k % 2) = {corners[k].x(), corners[k].y(), corners[k].z(), 1.0};
+        // Their own excesses are the ones asked about.
         double size = 0, least = HUGE_VAL;
         for (int i = 0; i < 20; ++i) {
-            const Vec3 p = i == 0 ? middle : Vec3(middle + half * r.point());
+            const double s = 0.5 * (1 + r.at()), t = 0.5 * (1 + r.at());
+            const Vec3 on = (1 - s) * ((1 - t) * corners[0] + t * corners[1]) +
+                            s * ((1 - t) * corners[2] + t * corners[3]),
+                       p = on + margin * r.point().normalized();
             auto [d, n] = distance_and_gradient(scene.objects[0], p);
             const auto [h, u] = distance_and_gradient(scene.base, p);
             if (space.is_sided(0) && n.dot(check::middle(space.object(0).direction)) < 0) {
@@ -63,9 +73,7 @@ TEST_CASE("least slope: no gradient is shorter where the excess is small, and at
             size = std::max(size, std::abs(d - h) * (1 + 1e-12));
             least = std::min(least, (n - u).norm());
         }
-        const Interval m(-half, half);
-        const Vector<Interval> box{middle.x() + m, middle.y() + m, middle.z() + m};
-        const double slope = least_slope(space, 0, box, size);
+        const double slope = least_slope(space, 0, net, margin, size);
         CHECK(slope <= least * (1 + 1e-9) + 1e-12);
         if (slope > 0) ++told;
         // Where the excess is known it is the gradient's length itself.
