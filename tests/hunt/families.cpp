@@ -191,6 +191,30 @@ Scene tubes(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
+// Each one passes the axis of another one, or a base tube's.
+Scene fibres(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    const double radius = b.chance(0.2) ? 0 : 0.3;
+    b.put_base(radius);
+    b.add_some(kind == BaseKind::Tube || kind == BaseKind::TiltedTube ? 0 : 1, [&] {
+        return Cylinder{b.place(), b.direction(), radius};
+    });
+    const auto any = [&]() -> Cylinder {
+        const std::vector<Object>& all = b.scene().objects;
+        const int k = b.count(all.empty() ? -1 : 0, static_cast<int>(all.size()) - 1);
+        if (const auto* base = std::get_if<Cylinder>(&b.scene().base); base && (k < 0 || b.chance(0.5)))
+            return *base;
+        return k < 0 ? Cylinder{b.place(), b.direction(), radius} : std::get<Cylinder>(all[k]);
+    };
+    b.add_some(b.count(1, 4), [&] {
+        const Cylinder other = any();
+        const Vec3 along = other.axis.normalized(), d = b.direction(), away = along.cross(d).normalized();
+        return Cylinder{other.point + b.uniform(-1.5, 1.5) * along + b.small(0, 6) * away, d, radius};
+    });
+    b.add_mix(b.count(0, 2), 0, 0);
+    return b.done();
+}
+
 // Coordinates of few bits: full of exact ties.
 Scene integers(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind, 4);
@@ -490,6 +514,7 @@ constexpr Family all[] = {
     {"balls", "random balls and points", balls},
     {"mix", "random balls, planes and tubes", mix},
     {"tubes", "random skew tubes and lines", tubes},
+    {"fibres", "tubes of one radius, axes 1e-6 to 1 from each other: they cut each other", fibres},
     {"integers", "planes, points, lines, balls and tubes of small integers", integers},
     {"lattice", "balls of a lattice, exact or one unit in the last place off", lattice},
     {"bundle", "equal tubes, square, hexagonal or woven, turned and perturbed by 1e-15 to 1e-3", bundle},
