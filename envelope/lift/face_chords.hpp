@@ -26,6 +26,9 @@ public:
     /// and in narrow sectors, nothing is said: the trims will tell.
     std::vector<bool> too_wide() const;
 
+    /// Around each loop, in space.
+    const std::vector<std::vector<Vec3>>& points() const { return points_; }
+
 private:
     using Runs = std::vector<std::vector<BoundaryRun>>;
 
@@ -38,8 +41,8 @@ private:
     const RadialDiagram of_;
     const FacePatches& patches_;
     const FaceId face_;
-    const space_fit::Equation site_;         // of the face's form
-    std::vector<std::vector<Vec3>> points_;  // around each loop, in space
+    const space_fit::Equation site_;  // of the face's form
+    std::vector<std::vector<Vec3>> points_;
 };
 
 }  // namespace vcell::radial

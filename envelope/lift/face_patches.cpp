@@ -157,6 +157,10 @@ bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction, bool as
 
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
     if (can_be_halved(face)) return halve(face);
+    if (is_cut(face) && skew_axes_.erase(face) > 0) {
+        sectors_[face].clear();
+        return true;
+    }
     if (is_cut(face)) return narrow(face, is_too_wide);
     if (vessel_axes_.contains(face) || !problem_.chart.is_sphere()) {
         change_and_cut(face);
@@ -214,6 +218,7 @@ void FacePatches::add_around_cylinder(FaceId face) {
     const CylinderTurns::Extent e = turns_.extent(face);
     refuse_around_tip(face, e);
     if (const auto axes = SkewAxes::of(problem_, diagram_.face_forms[face], e.y)) {
+        skew_axes_.emplace(face, *axes);
         patches_[face] = RadialPatch(*axes);
         return;
     }
@@ -261,8 +266,46 @@ void FacePatches::cut(FaceId face) {
     }
 }
 
+// Along lines of the bisector, x = const. Where x is small the face may reach far along y and the other way
+// round, and a rectangle that holds both reaches far beyond: strips grow in powers of two from the line in
+// both axes' plane on, next to which the graph is no higher than the face. Nothing crosses the outer sides.
+void FacePatches::suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& points) {
+    constexpr double too_far = 16;
+    const auto found = skew_axes_.find(face);
+    if (found == skew_axes_.end() || is_cut(face)) return;
+    const SkewAxes& axes = found->second;
+    double x = 0, y = 0, z = 0;
+    for (const std::vector<Vec3>& loop : points)
+        for (const Vec3& p : loop) {
+            const Vec2 at = patches_[face].parameters(p);
+            x = std::max(x, std::abs(axes.x0 + at.x()));
+            y = std::max(y, std::abs(axes.y0 + at.y()));
+            z = std::max(z, std::abs(axes.x.cross(axes.y).dot(p - axes.origin)));
+        }
+    // Where rounding moves the graph by such a part of the face it tells nothing.
+    constexpr double rounding = 0x1p-48, too_much = 0x1p-10;
+    if (axes.steep * std::max(x, y) * rounding > too_much) {
+        skew_axes_.erase(found);
+        change_and_cut(face);
+        return;
+    }
+    const double size = x + y + z;
+    if (!(axes.steep * x * y > too_far * size)) return;
+    std::vector<double> sides;
+    for (double side = size / (axes.steep * y);; side *= 2) {
+        sides.push_back(side);
+        sides.push_back(-side);
+        if (side > 2 * x) break;
+    }
+    std::ranges::sort(sides);
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+        sectors_[face].push_back(sector(face, sides[i] - axes.x0, sides[i + 1] - axes.x0));
+}
+
 Sector FacePatches::sector(FaceId face, double from, double to) const {
     const FormId form = diagram_.face_forms[face];
+    if (const auto axes = skew_axes_.find(face); axes != skew_axes_.end())
+        return {from, to, RadialPatch(axes->second.moved(0.5 * (from + to)))};
     if (const auto axis = vessel_axes_.find(face); axis != vessel_axes_.end())
         return {from, to, RadialPatch(problem_, form, axis->second.direction(0.5 * (from + to)), 0)};
     const Vec3 middle = turns_.direction(0.5 * (from + to));

@@ -2,7 +2,8 @@
 /// than a patch does: then the base is divided into sectors by generators, and each has a patch of its own.
 /// So may a face of a hollow tube or cone over a sphere around the vessel's axis, or hold a tip of the
 /// bisector there, and is divided about that. A face of a hollow sphere that leaves others little of all
-/// around has two halves (surface_halves.hpp).
+/// around has two halves (surface_halves.hpp). A face of a cylinder of the base's radius, whose patch is a
+/// graph, may have strips.
 #pragma once
 
 #include <algorithm>
@@ -25,11 +26,15 @@
 namespace vcell::radial {
 
 /// What lies between two angles of the chart around a cylinder, or about a vessel's axis over a sphere, with
-/// a patch of its own.
+/// a patch of its own. A strip of a graph lies between two lengths.
 class Sector {
 public:
     Sector(double start, double end, const RadialPatch& of)
-        : from(start), to(end), patch(of), reach_(std::tan(0.25 * (end - start))) {}
+        : from(start),
+          to(end),
+          patch(of),
+          reach_(of.kind() == RadialPatch::Kind::Graph ? 0.5 * (end - start)
+                                                       : std::tan(0.25 * (end - start))) {}
 
     double from, to;
     RadialPatch patch;
@@ -87,6 +92,11 @@ public:
     /// in the sectors that are too wide, or other halves, if it is cut. False where there are none.
     bool change(FaceId face, const std::vector<bool>& is_too_wide);
 
+    /// Cuts a face whose patch is a graph and reaches far beyond it into strips, given some of its points, or
+    /// gives it sectors if digits do not tell the graph. A face that change() has put together again stays
+    /// whole.
+    void suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& points);
+
     /// Is the bisector a plane? Pre: the form has a face.
     bool is_flat(FormId form) const { return is_flat_[form]; }
     /// A unit normal somewhere in the face, or among its loops.
@@ -120,6 +130,7 @@ private:
     IdVector<FaceId, std::vector<Sector>> sectors_;
     std::map<FaceId, SurfaceHalves> halves_;    // over a sphere, of hollow spheres' faces
     std::map<FaceId, std::size_t> halvings_;    // how often they were looked for, of those that may have some
+    std::map<FaceId, SkewAxes> skew_axes_;      // around a cylinder, of graphs that may be cut
     std::map<FaceId, VesselAxis> vessel_axes_;  // over a sphere, of hollow tubes' and cones' faces
     std::optional<FaceTips> tips_;              // where there are such faces
     IdVector<FaceId, bool> wide_;               // over a sphere: has the patch been changed?

@@ -92,7 +92,7 @@ std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
     for (const Left& of_task : left) {
         bent_.insert(bent_.end(), of_task.bent.begin(), of_task.bent.end());
         for (const FaceId face : of_task.faces) {
-            if (patches_.is_cut(face) && make_cut(face)) continue;
+            if (patches_.is_cut(face) && !lacks_digits(face) && make_cut(face)) continue;
             change_patch(face);
             changed.push_back(face);
         }
@@ -103,6 +103,7 @@ std::vector<FaceId> FaceSurfaces::made(const std::vector<FaceId>& faces) {
 // Trims for patches that do not even hold what is known of the face's boundary are not worth fitting.
 void FaceSurfaces::suit_patches(FaceId face) {
     const FaceChords chords({problem_, diagram_}, loops_, patches_, curves_, face);
+    patches_.suit_graph(face, chords.points());
     while (true) {
         const std::vector<bool> is_too_wide = chords.too_wide();
         if (std::ranges::find(is_too_wide, true) == is_too_wide.end()) return;

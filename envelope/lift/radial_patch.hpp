@@ -15,7 +15,8 @@
 ///
 /// *Graph.* A cylinder of the base's radius over a cylinder base, skew to it: (u, v) are lengths along both
 /// axes' plane (skew_axes.hpp). S is a polynomial, (1, 1), and a trim an affine image of the space curve: one
-/// patch will do however far the face reaches around the base.
+/// patch will do however far the face reaches around the base. A steep one has strips (face_patches.hpp), so
+/// that control points are near the face.
 ///
 /// *Stereographic.* Spheres over a sphere base, centre c: S = (|c|^2 - delta^2) n / (2 (c.n + delta W)), (2,
 /// 2), about the direction of c: the surface's points at infinity are the circle u^2 + v^2 = (|c| + delta) /

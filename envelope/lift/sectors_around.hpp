@@ -15,7 +15,8 @@ namespace vcell {
 
 /// The sector that a point is least outside of. `starts`: the angles at which sectors begin, two or more,
 /// ascending, each sector up to the next one and the last one up to the first, a whole turn on. `half`: half
-/// the angle from the middle of the first one to the point, between -pi/2 and pi/2. Angles are rounded:
+/// the angle from the middle of the first one to the point, between -pi/2 and pi/2. Strips next to each other
+/// do as well, with lengths, where nothing is beyond the outer ones. Angles are rounded:
 /// outside(i), how far the point is outside of sector i, decides between the sector found and the two beside
 /// it.
 template <std::ranges::random_access_range Starts, class Outside>

@@ -20,7 +20,7 @@ namespace vcell {
 /// cross y points away from the base.
 struct SkewAxes {
     Vec3 x, y;
-    Vec3 origin;    ///< a point of the base's axis
+    Vec3 origin;    ///< a point of the base's axis, or moved()
     double x0, y0;  ///< of the origin: axes that are all but parallel lose digits where they are nearest
     double steep;   ///< 2 s c / h
     double apart;   ///< h, a length
@@ -28,6 +28,14 @@ struct SkewAxes {
     /// None where the radii differ or the axes are in one plane. The origin is at the height y. Pre: the base
     /// is a cylinder.
     static std::optional<SkewAxes> of(const RadialBaseProblem& problem, FormId form, double y);
+
+    /// With the origin moved along x.
+    SkewAxes moved(double by) const {
+        SkewAxes result = *this;
+        result.origin += by * x;
+        result.x0 += by;
+        return result;
+    }
 };
 
 }  // namespace vcell

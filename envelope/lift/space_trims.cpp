@@ -19,11 +19,21 @@ double seam_width(const Points& points, const Linear& f, double tolerance) {
     return std::min(0x1p-32 * magnitude(points, f), 0.25 * tolerance);
 }
 
-// The linear function of X that vanishes on a seam, if the span crosses that.
+// How far the surface is moved at most, along a span, where `across` moves by one.
+double stretch(const SpacePart& part, const Points& points) {
+    if (!part.surface || part.surface->kind() != RadialPatch::Kind::Graph) return 1;
+    double v = 0;
+    for (int k = 0; k < 6; ++k) v = std::max(v, std::abs(part.patch[1](points.col(k).head<4>())));
+    return part.surface->coefficient(1, 0).head<3>().norm() +
+           v * part.surface->coefficient(1, 1).head<3>().norm();
+}
+
+// A linear function of X that vanishes on a seam, in lengths on the surface, if the span crosses that.
 std::optional<Linear> crossed_seam(const SpacePart& part, const Points& points, double tolerance) {
     for (int k = 0; k < 2; ++k) {
         if (!std::isfinite(part.range[k])) continue;
-        const Linear f = part.across.numerator - part.range[k] * part.across.divisor;
+        const Linear f =
+            stretch(part, points) * (part.across.numerator - part.range[k] * part.across.divisor);
         const auto values = (f.head<4>().transpose() * points.topRows<4>()).array() + f[4];
         const double outermost = k == 0 ? values.minCoeff() : -values.maxCoeff();
         if (outermost < -seam_width(points, f, tolerance)) return f;
@@ -96,7 +106,8 @@ Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
         auto best = parts.begin();
         if (const std::vector<double>& starts = arc.sites[side].starts; !starts.empty()) {
             const PatchCoordinate& c = best->across;
-            const double half = std::atan2(at(c.numerator, X), at(c.divisor, X));
+            const bool are_strips = c.divisor.head<4>().isZero(0);
+            const double half = are_strips ? 0.5 * c(X) : std::atan2(at(c.numerator, X), at(c.divisor, X));
             best += sector_around(starts, half, [&](std::size_t i) { return outside(parts[i]); });
         } else {
             best = std::ranges::min_element(parts, {}, outside);
