@@ -266,9 +266,10 @@ void FacePatches::cut(FaceId face) {
     }
 }
 
-// Along lines of the bisector, x = const. Where x is small the face may reach far along y and the other way
-// round, and a rectangle that holds both reaches far beyond: strips grow in powers of two from the line in
-// both axes' plane on, next to which the graph is no higher than the face. Nothing crosses the outer sides.
+// Strips lie along lines of the bisector, x = const. Where x is small the face may reach far along y and the
+// other way round, and a rectangle that holds both reaches far beyond: strips grow in powers of two from the
+// line in both axes' plane on, next to which the graph is no higher than the face. Nothing crosses the outer
+// sides.
 void FacePatches::suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& points) {
     constexpr double too_far = 16;
     const auto found = skew_axes_.find(face);

@@ -29,7 +29,7 @@ struct SkewAxes {
     /// is a cylinder.
     static std::optional<SkewAxes> of(const RadialBaseProblem& problem, FormId form, double y);
 
-    /// With the origin moved along x.
+    /// Moves the origin along x.
     SkewAxes moved(double by) const {
         SkewAxes result = *this;
         result.origin += by * x;

@@ -37,9 +37,9 @@ struct SpaceSite {
     Object object;
     bool is_wall = false;  ///< a Plane with outward normal that bounds the cell: a side of the box, an end
     std::vector<SpacePart> parts;  ///< none: no trim on this side
-    /// Of parts that are sectors once around an axis, `across` the tangent of half the angle from a sector's
-    /// middle, the angles at which they begin, ascending; of strips, `across` a length, lengths; of others
-    /// none.
+    /// Where parts begin, ascending: angles, if they are sectors once around an axis and `across` is the
+    /// tangent of half the angle from a sector's middle; lengths, if they are strips and `across` is one; of
+    /// others none.
     std::vector<double> starts{};
 };
 
