@@ -286,7 +286,6 @@ void FacePatches::suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& 
     // Where rounding moves the graph by such a part of the face it tells nothing.
     constexpr double rounding = 0x1p-48, too_much = 0x1p-10;
     if (axes.steep * std::max(x, y) * rounding > too_much) {
-        skew_axes_.erase(found);
         change_and_cut(face);
         return;
     }
@@ -316,6 +315,7 @@ Sector FacePatches::sector(FaceId face, double from, double to) const {
 
 // Patches that are for a half each keep away from what lies at infinity.
 void FacePatches::change_and_cut(FaceId face) {
+    skew_axes_.erase(face);
     if (!vessel_axes_.contains(face)) patches_[face] = patch_around(face, turns_.extent(face), true);
     cut(face);
 }
@@ -342,8 +342,10 @@ std::uint32_t FacePatches::part_of(FaceId face, const Vec3& p, bool rises) const
     if (const SurfaceHalves* two = halves(face)) return two->half_of(p);
     const double inwards = rises ? -seam_inwards : seam_inwards;
     const std::vector<Sector>& all = sectors_[face];
+    const double u = all.front().patch.parameters(p).x();
+    const bool are_strips = all.front().patch.kind() == RadialPatch::Kind::Graph;
     return sector_around(
-        all | std::views::transform(&Sector::from), std::atan(all.front().patch.parameters(p).x()),
+        all | std::views::transform(&Sector::from), are_strips ? 0.5 * u : std::atan(u),
         [&](std::size_t i) { return std::abs(all[i].patch.parameters(p).x() + inwards) - all[i].reach(); });
 }
 
