@@ -1,8 +1,10 @@
 // Cells of spheres, from scenes to patches: curves, loops, names, and the faces against brute force.
 #include <doctest/doctest.h>
 
+#include <optional>
 #include <random>
 
+#include "../../core/errors.hpp"
 #include "radial_cell_checks.hpp"
 
 namespace vcell::sphere_cell_test {
@@ -13,11 +15,21 @@ TEST_CASE("sphere cell: curves, trims and loops fit together in random scenes") 
     std::mt19937_64 rng(test_seed());
     SceneMaker make{rng};
     for (int i = 0; i < 60; ++i) {
-        const Scene scene = make.scene(1 + i % 15, i % 3 == 0 ? 4 : i % 3 == 1 ? 20 : 100, 0.15, i % 4 == 0);
         CAPTURE(i);
-        const Cell cell = cell_of(scene);
-        check_cell(cell, 1e-8);  // some are as narrow as that asks for
-        check_faces_by_rays(cell, rng, 3);
+        std::optional<Cell> cell;
+        while (!cell) {
+            try {
+                cell = cell_of(make.scene(1 + i % 15,
+                                          i % 3 == 0   ? 4
+                                          : i % 3 == 1 ? 20
+                                                       : 100,
+                                          0.15, i % 4 == 0));
+            } catch (const InputError& error) {
+                REQUIRE(error.kind == InputError::Kind::TouchesBase);
+            }
+        }
+        check_cell(*cell, 1e-8);  // some are as narrow as that asks for
+        check_faces_by_rays(*cell, rng, 3);
     }
 }
 
@@ -35,7 +47,7 @@ TEST_CASE("sphere cell: with cylinders") {
         }
         CAPTURE(i);
         const Cell cell = cell_of(scene);
-        check_cell(cell);
+        check_cell(cell, 1e-8);
         check_faces_by_rays(cell, rng, 3);
     }
 }
