@@ -26,7 +26,7 @@ public:
     /// and in narrow sectors, nothing is said: the trims will tell.
     std::vector<bool> too_wide() const;
 
-    /// Around each loop, in space.
+    /// The points around each loop, in space.
     const std::vector<std::vector<Vec3>>& points() const { return points_; }
 
 private:

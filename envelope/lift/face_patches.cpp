@@ -157,6 +157,7 @@ bool FacePatches::is_owned_by_others(FormId form, const Vec3& direction, bool as
 
 bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
     if (can_be_halved(face)) return halve(face);
+    // Strips are given up where seams do not divide the face: the whole graph holds it.
     if (is_cut(face) && skew_axes_.erase(face) > 0) {
         sectors_[face].clear();
         return true;
@@ -271,7 +272,7 @@ void FacePatches::cut(FaceId face) {
 // line in both axes' plane on, next to which the graph is no higher than the face. Nothing crosses the outer
 // sides.
 void FacePatches::suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& points) {
-    constexpr double too_far = 16;
+    constexpr double too_far = 16;  // of the face's size
     const auto found = skew_axes_.find(face);
     if (found == skew_axes_.end() || is_cut(face)) return;
     const SkewAxes& axes = found->second;
@@ -283,7 +284,7 @@ void FacePatches::suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& 
             y = std::max(y, std::abs(axes.y0 + at.y()));
             z = std::max(z, std::abs(axes.x.cross(axes.y).dot(p - axes.origin)));
         }
-    // Where rounding moves the graph by such a part of the face it tells nothing.
+    // Output accuracy, in parts of the face: a graph that rounding moves by so much tells nothing.
     constexpr double rounding = 0x1p-48, too_much = 0x1p-10;
     if (axes.steep * std::max(x, y) * rounding > too_much) {
         change_and_cut(face);

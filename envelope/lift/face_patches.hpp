@@ -89,7 +89,8 @@ public:
     }
 
     /// Gives a face other patches, as a weight is not positive or its seams do not divide it: narrower ones
-    /// in the sectors that are too wide, or other halves, if it is cut. False where there are none.
+    /// in the sectors that are too wide, other halves, or one instead of strips, if it is cut. False where
+    /// there are none.
     bool change(FaceId face, const std::vector<bool>& is_too_wide);
 
     /// Cuts a face whose patch is a graph and reaches far beyond it into strips, given some of its points, or

@@ -16,8 +16,8 @@ namespace vcell::check {
 ///
 ///     (|w|^2 - c^2) / (s (s + c)).
 ///
-/// Of two axes w is linear in p: among those at the net's control points. In a box of a leaning net there are
-/// points far off the bisector, where w may vanish.
+/// Between two axes w is linear in p, and lies among those at the net's control points: a box of a leaning
+/// net has points far off the bisector, where w may vanish.
 ///
 /// Beside a plane, over which that point is at the height h and the axis rises by r per length, p being x
 /// along the axis, it is 2 (h + rho + e + x r) / s with the radius rho and the excess e.
