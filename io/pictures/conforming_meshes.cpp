@@ -79,8 +79,9 @@ private:
                     line.points.push_back(point_of(mesh, points[k]));
             }
             const bool is_closed = !edge.vertices;
-            auto shared = std::make_shared<SharedLine>(
-                SharedLine{line.id, line.points, std::move(sites), is_closed, whole_.error(edge)});
+            auto shared =
+                std::make_shared<SharedLine>(SharedLine{line.id, line.points, whole_.point(edge, 0.5),
+                                                        std::move(sites), is_closed, whole_.error(edge)});
             if (is_closed) {
                 store_.list(store_.closed_lines, shared);
                 continue;

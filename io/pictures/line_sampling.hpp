@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -75,8 +76,7 @@ public:
 
     /// The mesh's points along all lines.
     std::vector<Vec3> sample() {
-        for (std::size_t e = 0; e < shell_.edges.size(); ++e)
-            lines_[e].pieces = first_pieces(shell_.edges[e]);
+        set_first_pieces();
         sampled_.resize(lines_.size());
         for (std::size_t e = 0; e < shell_.edges.size(); ++e)
             if (is_known(e)) sample_known_line(e);
@@ -130,8 +130,7 @@ private:
         double chord = 0;
     };
 
-    // Pieces that an edge has at least: enough for a loop to be a polygon, and for a curved edge to have
-    // points of its own beside its ends, whatever the chord. A seam has them only where it is a loop.
+    // Pieces that a loop has at least: enough for a polygon, whatever the chord.
     static constexpr std::size_t least_around = 8;
     // Into so many parts each of a tip's sides is divided in the parameters.
     static constexpr std::size_t around_tip = 4;
@@ -175,9 +174,26 @@ private:
         const Line& line = lines_[seams_.at(*c.seam)];
         return line.uses.empty() ? &c : line.uses.front().curve;
     }
-    static std::size_t first_pieces(const CellEdge& e) {
-        if (e.vertices.empty()) return least_around;
-        return e.kind == CurveKind::Line ? 1 : 2;
+    // A curved edge has a point of its own beside its ends, whatever the chord, where another one may join
+    // the same two vertices: in this cell, or in one that has it from here. There the ends have more sites in
+    // common than an edge between them.
+    void set_first_pieces() {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> joining;
+        const auto ends = [](const CellEdge& e) { return std::minmax(e.vertices[0], e.vertices[1]); };
+        for (const CellEdge& e : shell_.edges)
+            if (!e.vertices.empty()) ++joining[ends(e)];
+        for (std::size_t i = 0; i < shell_.edges.size(); ++i) {
+            const CellEdge& e = shell_.edges[i];
+            const bool is_loop = e.vertices.empty() || e.vertices[0] == e.vertices[1];
+            const bool is_alone = is_loop || (joining[ends(e)] == 1 && !have_more_sites(e));
+            lines_[i].pieces = is_loop ? least_around : is_alone || e.kind == CurveKind::Line ? 1 : 2;
+        }
+    }
+    bool have_more_sites(const CellEdge& e) const {
+        const auto &from = shell_.vertices[e.vertices[0]].sites, &to = shell_.vertices[e.vertices[1]].sites;
+        const auto common =
+            std::ranges::count_if(from, [&](const Site& s) { return std::ranges::find(to, s) != to.end(); });
+        return static_cast<std::size_t>(common) > e.sites.size();
     }
     // Whether the stretch [from, to] of a line needs a point between: for the curve itself, and for the
     // patches on both sides, whose inner sides could not be shorter than those on the boundary, and which
@@ -214,7 +230,13 @@ private:
         std::vector<double> result{breaks.front()};
         const auto add = [&](auto& self, double from, double to, int depth) -> void {
             constexpr int deepest = 12;
-            if (((depth < deepest || keeps_chord_) && too_coarse(line, from, to)) ||
+            // A curve that bends both ways may be on its chord half way.
+            const auto is_too_coarse = [&] {
+                const double middle = 0.5 * (from + to);
+                return too_coarse(line, from, to) ||
+                       (depth == 0 && (too_coarse(line, from, middle) || too_coarse(line, middle, to)));
+            };
+            if (((depth < deepest || keeps_chord_) && is_too_coarse()) ||
                 (depth < deepest && leaves_strips(line, from, to))) {
                 if (depth == deepest) throw TooFine();
                 const double middle = 0.5 * (from + to);
@@ -361,7 +383,7 @@ private:
         for (std::size_t f = 0; f < shell_.faces.size(); ++f)
             if (!known_.face(f))
                 for (const TrimmedPatch& patch : shell_.faces[f].patches)
-                    find_crossings(polygons(patch), coarse);
+                    for (const std::uint32_t line : crossing_lines(polygons(patch))) coarse[line] = true;
         bool any = false;
         for (std::size_t e = 0; e < coarse.size(); ++e)
             if (coarse[e] && !is_known(e)) {
@@ -377,27 +399,6 @@ private:
         points_.push_back(p);
         return static_cast<std::uint32_t>(points_.size() - 1);
     }
-    // Lines with sides that cross others of one face.
-    static void find_crossings(const std::vector<std::vector<LoopPoint>>& polygons,
-                               std::vector<bool>& coarse) {
-        struct Segment {
-            Vec2 a, b;
-            std::uint32_t line;
-            double low() const { return std::min(a.x(), b.x()); }
-            double high() const { return std::max(a.x(), b.x()); }
-        };
-        std::vector<Segment> segments;
-        for (const auto& loop : polygons)
-            for (std::size_t i = 0; i < loop.size(); ++i)
-                segments.push_back({loop[i].uv, loop[(i + 1) % loop.size()].uv, loop[i].line});
-        std::sort(segments.begin(), segments.end(),
-                  [](const auto& s, const auto& t) { return s.low() < t.low(); });
-        for (std::size_t i = 0; i < segments.size(); ++i)
-            for (std::size_t j = i + 1; j < segments.size() && segments[j].low() <= segments[i].high(); ++j)
-                if (proper_crossing(segments[i].a, segments[i].b, segments[j].a, segments[j].b))
-                    coarse[segments[i].line] = coarse[segments[j].line] = true;
-    }
-
     const Shell& shell_;
     const Cell& cell_;
     const KnownMesh& known_;

@@ -21,6 +21,9 @@ struct LoopPoint {
 /// Do the segments from a to b and from c to d cross, each inside the other's ends? Plain doubles.
 bool proper_crossing(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d);
 
+/// Lines that have a side that crosses another one of these polygons, in no order and some more than once.
+std::vector<std::uint32_t> crossing_lines(const std::vector<std::vector<LoopPoint>>& polygons);
+
 /// Polygons that run counter-clockwise, each followed by those in it that run clockwise. Pre: no two cross.
 std::vector<std::vector<std::vector<LoopPoint>>> with_holes(std::vector<std::vector<LoopPoint>> polygons);
 

@@ -54,6 +54,7 @@ struct SharedPoint {
 struct SharedLine {
     SharedId id;
     std::vector<SharedPoint> points;  // of a closed one the first comes again in the end
+    Vec3 inner;  // a point of the curve, unmoved: of two arcs with the same ends it is on one
     MeetingSites sites;
     bool is_closed;
     double error;

@@ -152,12 +152,12 @@ protected:
         Image by{0, 0, 0};
     };
 
-    // Two arcs of one curve may have the same ends: a point of the line tells which one it is.
+    // Two arcs of one curve may have the same ends: a point of the curve tells which one it is.
     void try_line(const WholeEdge& edge, const std::shared_ptr<SharedLine>& line, const Image& by,
                   LineMatch& best) const {
         if ((line == best.line && by == best.by) || is_taken(line->id, by)) return;
         constexpr double slack = 4, rounding = 0x1p-40;
-        const Vec3 inner = inner_point(*line, by);
+        const Vec3 inner = store_.place(line->inner, by);
         const double allowed = slack * (whole_.error(edge) + line->error) +
                                rounding * (whole_.point(edge, 0).cwiseAbs().sum() + inner.cwiseAbs().sum());
         const double distance = whole_.distance(edge, inner, allowed);
@@ -197,11 +197,6 @@ protected:
     bool is_taken(SharedId line, const Image& image) const {
         return std::ranges::any_of(lines_,
                                    [&](const auto& l) { return l && l->id == line && l->image == image; });
-    }
-
-    Vec3 inner_point(const SharedLine& line, const Image& by) const {
-        const auto at = [&](std::size_t i) { return store_.place(line.points[i].at(by)); };
-        return line.points.size() == 2 ? Vec3(0.5 * (at(0) + at(1))) : at(line.points.size() / 2);
     }
 
     CellLine as_line_of(const WholeEdge& edge, const SharedLine& line, const Image& by) const {
