@@ -11,6 +11,7 @@
 #include "../core/platform.hpp"
 #include "../io/files/files.hpp"
 #include "../io/files/text.hpp"
+#include "../io/pictures/mesh.hpp"
 #include "../io/pictures/page.hpp"
 
 namespace vcell {
@@ -32,6 +33,8 @@ Failure failure_of_exception() {
         return {undecided, e.what()};
     } catch (const ReadError& e) {
         return {bad_input, e.what()};
+    } catch (const TooManyTriangles& e) {
+        return {wrong_usage, fmt::format("--triangles: {}", e.what())};
     } catch (const WriteError& e) {
         return {wrong_usage, e.what()};
     } catch (const UsageError& e) {

@@ -37,10 +37,10 @@ std::string part_complaint(const std::string& text) {
 
 // Wrong usage is what the files' library takes for an invalid argument.
 std::unique_ptr<DiagramFiles> open_files(const std::vector<std::string>& paths, const std::string& chord,
-                                         std::size_t most_triangles, const std::string& cut) {
+                                         std::optional<std::size_t> most_triangles, const std::string& cut) {
     DiagramFileOptions options;
     options.chord = to_chord(chord)->value;
-    if (most_triangles > 0) options.most_triangles = most_triangles;
+    options.most_triangles = most_triangles;
     if (!cut.empty())
         options.cut = {cut[0] - 'x', *to_double(std::string_view(cut).substr(cut[2] == '+' ? 3 : 2))};
     const auto is_picture = [](const std::string& path) { return format_of(path) == "svg"; };
@@ -90,9 +90,8 @@ DiagramCommand::DiagramCommand(CLI::App& app)
         ->type_name("PART%")
         ->capture_default_str();
     command_
-        .add_option(
-            "--triangles", most_triangles_,
-            "meshes: the chord grows until all cells together have no more, or only edges ask for them")
+        .add_option("--triangles", most_triangles_,
+                    "meshes: the chord grows until all cells together have no more")
         ->check(count_complaint)
         ->type_name("N");
     command_.add_option("--cut", cut_, "the plane of an .svg: x, y or z = a coordinate")
@@ -174,7 +173,7 @@ Status DiagramCommand::run() const {
     for (const auto& file : files) file->commit();
 
     if (const auto& size = outputs->mesh_size(); size && size->chord > to_chord(chord_)->value)
-        warn_of_chord(chord_, most_triangles_, size->triangles, fmt::format("{:.3g}%", 100 * size->chord));
+        warn_of_chord(chord_, *most_triangles_, size->triangles, fmt::format("{:.3g}%", 100 * size->chord));
     for (const std::uint32_t i : outputs->without_faces())
         warn(fmt::format("no cell in the files of object {}: it is measured, but has no faces", i));
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +25,7 @@ private:
     DiagramSceneArguments scene_;
     std::string cells_, contacts_, groups_, network_, moments_, cut_, chord_ = "0.2%";
     std::vector<std::string> outputs_;
-    std::size_t most_triangles_ = 0;
+    std::optional<std::size_t> most_triangles_;
     bool bodies_ = false;
     ThreadsArgument threads_;
 };

@@ -82,11 +82,12 @@ public:
             ->type_name("LENGTH")
             ->capture_default_str();
         command_
-            .add_option("--triangles", most_triangles_,
-                        "meshes: about as many at most; the chord grows until they do")
+            .add_option(
+                "--triangles", most_triangles_,
+                "meshes: the chord grows until they have no more; otherwise, beyond 1000000, until only edges "
+                "ask for them")
             ->check(count_complaint)
-            ->type_name("N")
-            ->capture_default_str();
+            ->type_name("N");
         command_.add_flag("--solid", solid_, "meshes: with walls and base, closed");
         command_.add_flag(
             "--complete", complete_,
@@ -177,8 +178,8 @@ private:
         const double wanted = chord.is_relative ? chord.value * cell_diagonal(cell) : chord.value;
         CellMesh mesh = tessellate(cell, {wanted, solid_, most_triangles_});
         if (mesh.chord > wanted)
-            warn_of_chord(fmt::format("{:.3g}", wanted), most_triangles_, mesh.triangles.size(),
-                          fmt::format("{:.3g}", mesh.chord));
+            warn_of_chord(fmt::format("{:.3g}", wanted), most_triangles_.value_or(MeshOptions::usually_most),
+                          mesh.triangles.size(), fmt::format("{:.3g}", mesh.chord));
         return mesh;
     }
 
@@ -203,7 +204,7 @@ private:
     std::vector<std::string> outputs_;
     std::string format_ = "json";
     std::string chord_ = "0.1%";
-    std::size_t most_triangles_ = MeshOptions().most_triangles;
+    std::optional<std::size_t> most_triangles_;
     bool solid_ = false;
     bool complete_ = false;
     bool moments_ = false;

@@ -147,8 +147,8 @@ bool DiagramFiles::has_triangles() const {
 
 namespace {
 
-// What counts triangles ends when no chord is left.
-struct AllGivenUp {};
+// What counts triangles ends when the chord does not fit.
+struct GivenUp {};
 
 // A part of what there is to do.
 std::function<void(double)> part_of(const std::function<void(double)>& progress, double begin, double end) {
@@ -161,25 +161,30 @@ std::function<void(double)> part_of(const std::function<void(double)>& progress,
 // Mostly the chord that is asked for fits, and no cell is drawn with another one.
 double DiagramFiles::fitting_chord(const DiagramScene& scene, const DiagramOptions& options) const {
     const std::vector<double> chords = growing_chords(chord_);
-    const auto found = [&](std::span<const double> some, double begin, double end) {
+    // None: all have been given up.
+    const auto found = [&](std::span<const double> some, double begin,
+                           double end) -> std::optional<FittingChord> {
         FittingChord fitting(scene, some, *most_triangles_);
         DiagramOptions counting;
         counting.threads = options.threads;
         counting.complete = true;
         counting.progress = part_of(options.progress, begin, end);
         counting.visit = [&](std::uint32_t object, const Cell& cell) {
-            if (!fitting.add(object, cell)) throw AllGivenUp();
+            if (!fitting.add(object, cell)) throw GivenUp();
         };
         try {
             voronoi_diagram(scene, counting);
-        } catch (const AllGivenUp&) {
-            // The last of the chords is left.
+        } catch (const GivenUp&) {
+            return std::nullopt;
         }
-        return std::pair(fitting.chord(), fitting.fits());
+        return fitting;
     };
     const std::span all(chords);
-    const auto [chord, fits] = found(all.first(1), 0, counted_ / 2);
-    return fits || chords.size() == 1 ? chord : found(all.subspan(1), counted_ / 2, counted_).first;
+    std::optional<FittingChord> fitting = found(all.first(1), 0, counted_ / 2);
+    if (!fitting) fitting = found(all.subspan(1), counted_ / 2, counted_);
+    if (fitting->triangles() > *most_triangles_)
+        throw TooManyTriangles(*most_triangles_, fitting->triangles());
+    return fitting->chord();
 }
 
 VoronoiDiagram DiagramFiles::compute(const DiagramScene& scene, DiagramOptions options) {

@@ -21,9 +21,9 @@ struct DiagramFileOptions {
         double at;
     };
     std::optional<Cut> cut;
-    /// Where the meshes of all cells together would have more triangles, the chord grows until they do not,
-    /// or until only cells' edges ask for them (FittingChord). Then all cells are computed twice, to count
-    /// before any is written, or where the chord does not fit, three times. None: there is no bound.
+    /// Where the meshes of all cells together would have more triangles, the chord grows until they do not
+    /// (FittingChord). Then all cells are computed twice, to count before any is written, or where the chord
+    /// does not fit, three times. None: there is no bound.
     std::optional<std::size_t> most_triangles;
 };
 
@@ -46,7 +46,8 @@ public:
 
     /// voronoi_diagram(), whose cells are written to the files; planes and tubes have complete cells there
     /// (DiagramOptions::complete, if there is a file). `options.visit` sees the cells, too. To be called
-    /// once. Throws as voronoi_diagram() and the formats' own functions.
+    /// once. Throws as voronoi_diagram() and the formats' own functions; TooManyTriangles where cells' edges
+    /// alone ask for more than `most_triangles`.
     VoronoiDiagram compute(const DiagramScene& scene, DiagramOptions options = {});
 
     /// What the meshes of all cells have come to.

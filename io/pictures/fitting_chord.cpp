@@ -14,21 +14,23 @@ std::vector<double> growing_chords(double chord) {
 }
 
 FittingChord::FittingChord(const DiagramScene& scene, std::span<const double> chords,
-                           std::size_t most_triangles) {
+                           std::size_t most_triangles)
+    : most_triangles_(most_triangles) {
     for (const double chord : chords)
-        levels_.push_back({chord, most_triangles, std::make_unique<ConformingMeshes>(scene, chord)});
+        levels_.push_back({chord, 0, std::make_unique<ConformingMeshes>(scene, chord)});
 }
 
 bool FittingChord::add(std::uint32_t object, const Cell& cell) {
     for (Level& level : levels_) {
         if (!level.meshes) continue;
-        if (const std::optional<CellMesh> mesh = level.meshes->add_within(object, cell, level.left))
-            level.left -= mesh->triangles.size();
+        const std::size_t left = level.chord < 1 ? most_triangles_ - level.triangles : SIZE_MAX;
+        if (const std::optional<CellMesh> mesh = level.meshes->add_within(object, cell, left))
+            level.triangles += mesh->triangles.size();
         else
             level.meshes.reset();
     }
     while (levels_.size() > 1 && !levels_.front().meshes) levels_.erase(levels_.begin());
-    return fits();
+    return levels_.front().meshes != nullptr;
 }
 
 }  // namespace vcell

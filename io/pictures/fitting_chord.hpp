@@ -17,7 +17,7 @@ std::vector<double> growing_chords(double chord);
 
 /// The first of some chords with which all cells together have no more triangles than a bound, found before
 /// any mesh is kept: each cell is drawn with all of them, and a chord with which there are too many is given
-/// up.
+/// up, but for one of a whole diagonal: how many triangles cells' edges ask for is counted to the end.
 class FittingChord {
 public:
     /// Pre: there are chords, all > 0. Throws as ConformingMeshes().
@@ -27,16 +27,18 @@ public:
     /// have been given up.
     bool add(std::uint32_t object, const Cell& cell);
 
-    bool fits() const { return levels_.front().meshes != nullptr; }
     /// After the last cell: the chord that fits, or the last one.
     double chord() const { return levels_.front().chord; }
+    /// With that chord, unless it has been given up.
+    std::size_t triangles() const { return levels_.front().triangles; }
 
 private:
     struct Level {
         double chord;
-        std::size_t left;                          // triangles
+        std::size_t triangles;
         std::unique_ptr<ConformingMeshes> meshes;  // null: given up
     };
+    std::size_t most_triangles_;
     std::vector<Level> levels_;  // the first one has not been given up, or is the last one
 };
 

@@ -49,7 +49,7 @@ struct TooFine {};
 CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
 
 /// That mesh has the chord that is asked for, and no other: TooFine is thrown where it takes more than
-/// `most_triangles`, or more than 4096 pieces of an edge.
+/// `most_triangles`, or more than 4096 pieces of an edge. Pre: there is such a bound.
 CellMesh tessellate_with_chord(const Cell& cell, const MeshOptions& options, const KnownMesh& known);
 
 /// Parameters of points that follow each other along a curve, the first one at its begin and the last one at

@@ -1,5 +1,7 @@
 #include "mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -272,6 +274,13 @@ public:
     double default_chord() const { return 1e-3 * diagonal_; }
     double wanted() const { return options_.chord.value_or(default_chord()); }
 
+    // The mesh that has no triangles for a chord's sake.
+    CellMesh coarsest_mesh(double chord) const {
+        CellMesh result = mesh(chord, SIZE_MAX);
+        if (options_.most_triangles && result.triangles.size() > *options_.most_triangles)
+            throw TooManyTriangles(*options_.most_triangles, result.triangles.size());
+        return result;
+    }
     // Throws TooFine. At chords of pictures' size lines may stop being halved where their parameter stands
     // all but still.
     CellMesh mesh(double chord, std::size_t most_triangles) const {
@@ -281,7 +290,7 @@ public:
     }
     std::optional<CellMesh> mesh_if_it_fits(double chord) const {
         try {
-            return mesh(chord, options_.most_triangles);
+            return mesh(chord, options_.most_triangles.value_or(MeshOptions::usually_most));
         } catch (const TooFine&) {
             return std::nullopt;
         }
@@ -296,6 +305,10 @@ private:
 };
 
 }  // namespace
+
+TooManyTriangles::TooManyTriangles(std::size_t most, std::size_t there_are)
+    : std::invalid_argument(
+          fmt::format("the coarsest mesh has {} triangles, not {} at most", there_are, most)) {}
 
 double cell_diagonal(const Cell& cell) {
     Eigen::AlignedBox3d box;
@@ -336,7 +349,7 @@ CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMes
     double chord = std::max(wanted, attempts.default_chord());
     std::optional<CellMesh> best = attempts.mesh_if_it_fits(chord);
     while (!best && chord <= attempts.coarsest()) best = attempts.mesh_if_it_fits(chord *= chord_step);
-    if (!best) return attempts.mesh(chord, SIZE_MAX);
+    if (!best) return attempts.coarsest_mesh(chord);
     for (;;) {
         chord = best->chord / chord_step;
         std::optional<CellMesh> finer = chord > wanted ? attempts.mesh_if_it_fits(chord) : std::nullopt;
@@ -347,7 +360,7 @@ CellMesh tessellate(const Cell& cell, const MeshOptions& options, const KnownMes
 
 CellMesh tessellate_with_chord(const Cell& cell, const MeshOptions& options, const KnownMesh& known) {
     const Attempts attempts(cell, options, known);
-    return attempts.mesh(attempts.wanted(), options.most_triangles);
+    return attempts.mesh(attempts.wanted(), options.most_triangles.value());
 }
 
 }  // namespace vcell

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "../../envelope/cell.hpp"
@@ -26,12 +27,19 @@ struct MeshOptions {
     /// and the base region as floor; over a cylinder base with both ends as walls; over a sphere base the
     /// same as without.
     bool closed = false;
-    /// Where the chord would take more triangles, or more than 4096 pieces of an edge, it grows until it does
-    /// not, or until none is cut for its sake any more: then only the cell's edges ask for them.
-    std::size_t most_triangles = 1'000'000;
+    /// No mesh has more triangles: where the chord would take more, or more than 4096 pieces of an edge, it
+    /// grows until it does not. None: so it grows where there would be more than usually_most, or until none
+    /// is cut for its sake any more, and only the cell's edges ask for them.
+    std::optional<std::size_t> most_triangles = std::nullopt;
+    static constexpr std::size_t usually_most = 1'000'000;
     /// No chord of a face or an edge is more than this part of the diagonal of the smallest axis-parallel box
     /// about it, to a few percent.
     double most_of_own = std::numeric_limits<double>::infinity();
+};
+
+/// With the largest chord, too, there are more triangles than were asked for.
+struct TooManyTriangles : std::invalid_argument {
+    TooManyTriangles(std::size_t most, std::size_t there_are);
 };
 
 struct CellMesh {
@@ -64,7 +72,7 @@ double cell_diagonal(const Cell& cell);
 /// cracks: each of its sides belongs to two triangles, or to one on the rim if it is not closed. So is every
 /// seam between a face's patches, and every end of a tube's part that joined_parts() joins to the next one.
 /// Sampling is refined until no two sides of a face cross. Pre: patches are
-/// oriented like the chart. Throws InternalError for a cell whose rim does not close.
+/// oriented like the chart. Throws TooManyTriangles; InternalError for a cell whose rim does not close.
 CellMesh tessellate(const Cell& cell, const MeshOptions& options = {});
 
 }  // namespace vcell

@@ -261,7 +261,7 @@ void bind_table(py::module_& m) {
         "cut: the plane of a .svg, like (\"z\", 0.5).\n"
         "most_triangles: of all meshes together. Where there would be more the chord grows, which a UserWarning tells. "
         "All cells are computed twice or three times.\n\n"
-        "Ctrl-C ends it. Raises InputError, WriteError.");
+        "Ctrl-C ends it. Raises InputError, WriteError; ValueError where edges alone ask for more than most_triangles.");
 }
 
 void bind_network(py::module_& m) {

@@ -299,17 +299,19 @@ void bind_mesh(py::module_& m) {
         });
     m.def(
         "mesh",
-        [](const Cell& cell, std::optional<double> chord, bool closed, std::size_t most_triangles) {
+        [](const Cell& cell, std::optional<double> chord, bool closed,
+           std::optional<std::size_t> most_triangles) {
             if (chord && !(*chord > 0)) throw py::value_error("chord: must be above 0");
             const py::gil_scoped_release unlocked;
             return tessellate(cell, {chord, closed, most_triangles});
         },
         py::arg("cell"), py::kw_only(), py::arg("chord") = py::none(), py::arg("closed") = false,
-        py::arg("most_triangles") = MeshOptions().most_triangles,
+        py::arg("most_triangles") = py::none(),
         "A CellMesh.\n\n"
         "chord: the largest distance of a side's middle from the surface; default: a thousandth of the cell's "
-        "diagonal. It grows where it would take more than `most_triangles`.\n"
-        "closed: with walls and the base's region, the mesh of the whole solid.");
+        "diagonal. It grows where it would take more than `most_triangles`, or more than a million if that is None.\n"
+        "closed: with walls and the base's region, the mesh of the whole solid.\n\n"
+        "Raises ValueError where the coarsest mesh has more than `most_triangles`.");
 }
 
 void bind_diagram_meshes(py::module_& m) {

@@ -73,6 +73,8 @@ def test_files_of_all_cells(balls, tmp_path):
     with pytest.warns(UserWarning, match=f"^a chord of 0.002 is too fine for {triangles - 1} triangles .* of 0.008$"):
         vcell.diagram(scene, outputs=[files[1]], most_triangles=triangles - 1)
     assert 100 < files[1].read_text().count("\nf ") < triangles
+    with pytest.raises(ValueError, match="^the coarsest mesh has [0-9]+ triangles, not 1 at most$"):
+        vcell.diagram(scene, outputs=[files[1]], most_triangles=1)
     with pytest.raises(ValueError, match="must end in"):
         vcell.diagram(scene, outputs=["all.xyz"])
     with pytest.raises(ValueError, match="given twice"):

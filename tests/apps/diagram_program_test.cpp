@@ -402,6 +402,13 @@ TEST_CASE("program: diagram draws a cut and a mesh of all cells") {
                           " triangles (--triangles) or 4096 pieces of an edge: the mesh has " +
                           std::to_string(triangles()) + " triangles with one of 0.8%\n");
     CHECK(triangles() < all);
+    // Fewer than edges alone ask for: nothing is written.
+    const std::size_t before = triangles();
+    const Outcome none = work.run("diagram balls.txt -o all.obj --triangles 10");
+    CHECK(none.status == 1);
+    CHECK(none.err.starts_with("vcell: --triangles: the coarsest mesh has "));
+    CHECK(none.err.ends_with(" triangles, not 10 at most\n"));
+    CHECK(triangles() == before);
     CHECK(work.run("diagram balls.txt --triangles 0").status == 1);
     CHECK(work.read("cut.svg").find("z = -0.25") != std::string::npos);
     REQUIRE(work.run("diagram balls.txt -o all.VTU -o all.ply -o all.stl").status == 0);

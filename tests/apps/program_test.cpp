@@ -317,9 +317,11 @@ TEST_CASE("program: meshes are as fine as the cell is large, and end at a number
     CHECK(coarse > 500);
     CHECK(warning.find("vcell: warning: a chord of 1e-300 is too fine for 2000 triangles (--triangles)") ==
           0);
-    // Fewer than the edges alone take: as many as they take.
-    CHECK(triangles("--triangles 1").second.find("is too fine for 1 triangles (--triangles)") !=
-          std::string::npos);
+    // Fewer than edges alone ask for: nothing is written.
+    const Outcome none = w.run("compute scene.json -o none.obj --triangles 1");
+    CHECK(none.status == 1);
+    CHECK(none.err.starts_with("vcell: --triangles: the coarsest mesh has "));
+    CHECK(w.read("none.obj").empty());
 }
 
 TEST_CASE("program: check names the damage, status 4") {

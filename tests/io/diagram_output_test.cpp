@@ -130,7 +130,7 @@ TEST_CASE("diagram files: cells that have measures alone are named") {
     CHECK(times_in(read_file(folder.file("all.step")), "MANIFOLD_SOLID_BREP(") == 1);
 }
 
-TEST_CASE("diagram files: meshes of all cells have no more triangles than asked for, or those of edges") {
+TEST_CASE("diagram files: meshes of all cells have no more triangles than asked for") {
     const TemporaryDirectory folder;
     const DiagramScene scene = mixed_scene();
     const auto size = [&](double chord, std::optional<std::size_t> most) {
@@ -165,9 +165,10 @@ TEST_CASE("diagram files: meshes of all cells have no more triangles than asked 
     CHECK(coarser.triangles < plain.triangles);
     CHECK(size(coarser.chord, std::nullopt).triangles == coarser.triangles);
     CHECK(size(1e-9, plain.triangles).triangles <= plain.triangles);
-    const auto edges = size(0.002, 1);
-    CHECK(edges.chord == 1);
-    CHECK(edges.triangles == size(100, std::nullopt).triangles);
+    const std::size_t least = size(1, std::nullopt).triangles;
+    CHECK(size(0.002, least).triangles <= least);
+    DiagramFiles refused({folder.file("none.vtu")}, {.chord = 0.002, .cut = {}, .most_triangles = least - 1});
+    CHECK_THROWS_AS(refused.compute(scene), TooManyTriangles);
     DiagramFiles exact({folder.file("all.step")}, {.chord = 0.002, .cut = {}, .most_triangles = 1});
     exact.compute(scene);
     CHECK(!exact.mesh_size());
