@@ -47,16 +47,14 @@ void compute(const whole::DecidedDiagram& decided, const std::vector<std::uint32
         std::vector<std::vector<Cell>> cells(options.visit ? count : 0);
         for_all(count, threads, [&](std::size_t i) {
             const std::uint32_t object = which[begin + i];
-            std::optional<Cell> cell;
-            diagram.cells[object] = whole::find_cell(
-                decided, object,
-                options.visit && (options.complete || decided.is_ball(object)) ? &cell : nullptr);
+            if (options.visit && (options.complete || decided.is_ball(object))) {
+                whole::WholeCells found = whole::find_whole_cells(decided, object);
+                diagram.cells[object] = std::move(found.measured);
+                cells[i] = std::move(found.cells);
+            } else {
+                diagram.cells[object] = whole::find_cell(decided, object, nullptr);
+            }
             if (options.bodies) add_body(decided, object, diagram.cells[object]);
-            if (cell)
-                cells[i].push_back(*std::move(cell));
-            else if (options.visit && options.complete && !decided.is_ball(object) &&
-                     diagram.cells[object].state == DiagramCell::State::Computed)
-                cells[i] = whole::complete_cells(decided, object);
         });
         for (std::size_t i = 0; i < cells.size(); ++i)
             for (const Cell& cell : cells[i]) options.visit(which[begin + i], cell);

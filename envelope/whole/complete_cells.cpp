@@ -1,5 +1,6 @@
 #include "complete_cells.hpp"
 
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -41,6 +42,16 @@ std::vector<Cell> complete_cells(const DecidedDiagram& decided, std::uint32_t ob
         } catch (const InputError&) {
         }
     return cells;
+}
+
+WholeCells find_whole_cells(const DecidedDiagram& decided, std::uint32_t object) {
+    std::optional<Cell> cell;
+    WholeCells found{find_cell(decided, object, &cell), {}};
+    if (cell)
+        found.cells.push_back(*std::move(cell));
+    else if (!decided.is_ball(object) && found.measured.state == DiagramCell::State::Computed)
+        found.cells = complete_cells(decided, object);
+    return found;
 }
 
 }  // namespace vcell::whole

@@ -17,4 +17,12 @@ std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t
 /// in the box, which find_cell() has.
 std::vector<Cell> complete_cells(const DecidedDiagram& decided, std::uint32_t object);
 
+struct WholeCells {
+    DiagramCell measured;
+    std::vector<Cell> cells;
+};
+/// find_cell(), and the cells that it measures or complete_cells() has; none where there is nothing to see.
+/// Pre: find_cell()'s.
+WholeCells find_whole_cells(const DecidedDiagram& decided, std::uint32_t object);
+
 }  // namespace vcell::whole
