@@ -1,12 +1,14 @@
 #include "conforming_meshes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "../../envelope/whole/cell_finder.hpp"
 #include "known_mesh.hpp"
 #include "lone_points.hpp"
 #include "shared_finder.hpp"
@@ -83,11 +85,11 @@ private:
                 std::make_shared<SharedLine>(SharedLine{line.id, line.points, whole_.point(edge, 0.5),
                                                         std::move(sites), is_closed, whole_.error(edge)});
             if (is_closed) {
-                store_.list(store_.closed_lines, shared);
+                store_.add(shared);
                 continue;
             }
             const CellPoint &from = *vertices_[(*edge.vertices)[0]], &to = *vertices_[(*edge.vertices)[1]];
-            (from.point.id <= to.point.id ? from : to).vertex->lines.push_back(std::move(shared));
+            store_.add_line((from.point.id <= to.point.id ? from : to).vertex, std::move(shared));
         }
         return has_found;
     }
@@ -131,7 +133,7 @@ private:
                 }
             }
             face->across = sides_across(face->triangles, face->points.size());
-            store_.faces[beyond.site.index].push_back(face);
+            store_.add(face);
             if (beyond.site == own_.site) faces_[f] = {face, std::nullopt};
         }
         return has_found;
@@ -265,34 +267,52 @@ private:
     std::vector<std::optional<SharedPoint>> points_;  // of the mesh
 };
 
-}  // namespace
-
-}  // namespace shared
-
-class ConformingMeshes::Store : public shared::Store {
-    using shared::Store::Store;
-};
-
-ConformingMeshes::ConformingMeshes(const DiagramScene& scene, double chord)
-    : store_(std::make_unique<Store>(scene)), chord_(chord) {}
-ConformingMeshes::~ConformingMeshes() = default;
-
-CellMesh ConformingMeshes::draw(std::uint32_t object, const Cell& cell,
-                                std::optional<std::size_t> most_triangles) {
-    store_->pass_to(object);
+CellMesh draw(Store& store, std::uint32_t object, const Cell& cell, double chord,
+              std::optional<std::size_t> most_triangles) {
+    store.begin(object);
     const auto mesh = [&](const Cell& of, const WholeElements& whole) {
-        return shared::Fitter(*store_, object, of, whole, chord_, most_triangles).mesh();
+        return Fitter(store, object, of, whole, chord, most_triangles).mesh();
     };
     CellMesh result;
     if (cell.parts.empty()) {
         result = mesh(cell, WholeElements(cell));
     } else {
-        const JoinedParts joined = joined_parts(cell, shared::joined_most);
+        const JoinedParts joined = joined_parts(cell, joined_most);
         result = mesh(joined.cell, WholeElements(joined));
         drop_lone_points(result);
     }
-    store_->has_drawn(object);
+    store.has_drawn(object);
     return result;
+}
+
+}  // namespace
+
+}  // namespace shared
+
+// ---- All cells in a row
+
+namespace {
+
+std::unique_ptr<shared::Store> store_of(const DiagramScene& scene) {
+    std::optional<whole::Lattice> lattice;
+    if (scene.is_periodic()) lattice.emplace(whole::DecidedDiagram(scene).balls().lattice());
+    std::unordered_map<std::uint32_t, std::vector<Plane>> ends;
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+        if (auto planes = part_ends(scene.objects[i], scene.box); !planes.empty())
+            ends[i] = std::move(planes);
+    return std::make_unique<shared::Store>(std::move(lattice), std::move(ends), scene.objects.size());
+}
+
+}  // namespace
+
+ConformingMeshes::ConformingMeshes(const DiagramScene& scene, double chord)
+    : store_(store_of(scene)), chord_(chord) {}
+ConformingMeshes::~ConformingMeshes() = default;
+
+CellMesh ConformingMeshes::draw(std::uint32_t object, const Cell& cell,
+                                std::optional<std::size_t> most_triangles) {
+    for (; passed_ < object; ++passed_) store_->forget(passed_);
+    return shared::draw(*store_, object, cell, chord_, most_triangles);
 }
 
 CellMesh ConformingMeshes::add(std::uint32_t object, const Cell& cell) {
@@ -309,5 +329,61 @@ std::optional<CellMesh> ConformingMeshes::add_within(std::uint32_t object, const
 }
 
 std::size_t ConformingMeshes::drawn_again() const { return store_->drawn_again; }
+
+// ---- Cells here and there
+
+namespace {
+
+std::unique_ptr<shared::Store> store_of(const whole::DecidedDiagram& decided, std::size_t objects) {
+    const DiagramScene& scene = decided.scene();
+    std::optional<whole::Lattice> lattice;
+    if (scene.is_periodic()) lattice.emplace(decided.balls().lattice());
+    std::unordered_map<std::uint32_t, std::vector<Plane>> ends;
+    for (const std::uint32_t i : decided.others())
+        if (auto planes = part_ends(scene.objects[i], scene.box); !planes.empty())
+            ends[decided.number(i)] = std::move(planes);
+    return std::make_unique<shared::Store>(std::move(lattice), std::move(ends), objects);
+}
+
+}  // namespace
+
+ScatteredMeshes::ScatteredMeshes(const whole::DecidedDiagram& decided, std::size_t objects, double chord)
+    : store_(store_of(decided, objects)), chord_(chord) {
+    store_->note_additions();
+}
+ScatteredMeshes::~ScatteredMeshes() = default;
+
+std::vector<CellMesh> ScatteredMeshes::add(std::uint32_t object, std::span<const Cell> cells) {
+    std::vector<CellMesh> meshes;
+    for (const Cell& cell : cells)
+        meshes.push_back(shared::draw(*store_, object, cell, chord_, std::nullopt));
+    store_->forget(object);
+    return meshes;
+}
+
+shared::Additions ScatteredMeshes::take_additions() { return store_->take_additions(); }
+
+void ScatteredMeshes::learn(const shared::Additions& additions) {
+    store_->learn(additions);
+    store_->forget(additions.object);
+}
+
+std::vector<std::uint32_t> objects_met(const Cell& cell) {
+    std::vector<std::uint32_t> objects;
+    const auto add = [&](const auto& sites) {
+        for (const Site& s : sites)
+            if (const Site met = site_in_diagram(cell, side_at_end(cell.scene, s)).site; met.is_object())
+                objects.push_back(met.index);
+    };
+    for (const CellVertex& v : cell.vertices) add(v.sites);
+    for (const CellEdge& e : cell.edges) {
+        add(e.sites);
+        add(e.extra_sites);
+    }
+    for (const CellFace& f : cell.faces) add(std::array{f.site});
+    std::ranges::sort(objects);
+    objects.erase(std::ranges::unique(objects).begin(), objects.end());
+    return objects;
+}
 
 }  // namespace vcell

@@ -5,11 +5,21 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "../../envelope/voronoi_diagram.hpp"
 #include "mesh.hpp"
 
 namespace vcell {
+
+namespace shared {
+class Store;
+struct Additions;
+}  // namespace shared
+namespace whole {
+class DecidedDiagram;
+}
 
 /// The meshes of a diagram's cells, closed, one after the other as they are computed (DiagramOptions::visit).
 /// The face between two cells is the same triangles in both, turned around, an edge is one polyline in all
@@ -53,11 +63,39 @@ public:
     std::size_t drawn_again() const;
 
 private:
-    class Store;
     CellMesh draw(std::uint32_t object, const Cell& cell, std::optional<std::size_t> most_triangles);
 
-    std::unique_ptr<Store> store_;
+    std::unique_ptr<shared::Store> store_;
+    double chord_;
+    std::uint32_t passed_ = 0;  // cells of lower objects come no more
+};
+
+/// ConformingMeshes of cells that are drawn in several places: what one leaves for others the others learn.
+/// Cells that have nothing in common may come in any order.
+class ScatteredMeshes {
+public:
+    /// Of a diagram of so many objects, some of which are `decided`, and all that are no balls. Pre: chord >
+    /// 0.
+    ScatteredMeshes(const whole::DecidedDiagram& decided, std::size_t objects, double chord = 0.002);
+    ~ScatteredMeshes();
+    ScatteredMeshes(const ScatteredMeshes&) = delete;
+    ScatteredMeshes& operator=(const ScatteredMeshes&) = delete;
+
+    /// The meshes of all cells of an object, as ConformingMeshes::add() has them. Pre: of the objects of
+    /// lower numbers that it meets (objects_met()), or that meet it, all cells have been added or learned,
+    /// and of those of higher numbers none.
+    std::vector<CellMesh> add(std::uint32_t object, std::span<const Cell> cells);
+    /// What the last add() has left for the objects that meet in the cell, and for those that meet it.
+    shared::Additions take_additions();
+    /// As if the cells had been added here. Pre: that of add().
+    void learn(const shared::Additions& additions);
+
+private:
+    std::unique_ptr<shared::Store> store_;
     double chord_;
 };
+
+/// The diagram's objects that a cell lists, ascending.
+std::vector<std::uint32_t> objects_met(const Cell& cell);
 
 }  // namespace vcell

@@ -15,11 +15,6 @@
 
 namespace vcell {
 
-CellMesh mesh_among_many(const Cell& cell) {
-    constexpr double chord_part = 0.002;
-    return tessellate(cell, {chord_part * cell_diagonal(cell), true});
-}
-
 std::size_t CellColours::add(std::uint32_t object, const Cell& cell) {
     std::vector<std::size_t> beside(palette().size(), 0);
     if (!cell.scene.numbers.empty())

@@ -13,11 +13,6 @@
 
 namespace vcell {
 
-/// The mesh of one of many cells by itself, closed, off by a 500th of the cell's diagonal: a picture of all
-/// shows no more, and files stay small. Its neighbours' meshes have other triangles (ConformingMeshes: the
-/// same).
-CellMesh mesh_among_many(const Cell& cell);
-
 /// A colour of palette() for each cell that comes: one that none of its neighbours before it has, as long as
 /// there is one. Where the box repeats neighbours are images and count for nothing.
 class CellColours {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "../../envelope/whole/cell_finder.hpp"
+#include "../../envelope/whole/image_tree.hpp"
 #include "../../envelope/whole/void_network.hpp"
 #include "part_ends.hpp"
 #include "triangulate.hpp"
@@ -136,15 +136,23 @@ struct CellLine {
     std::vector<SharedPoint> points;  // from the edge's start to its end
 };
 
-/// Everything that cells so far have drawn and others may have, too.
+/// What has been stored, or changed, since somebody asked for it: whole vertices, with all their lines.
+struct Additions {
+    std::uint32_t object = 0;  ///< whose cell has been drawn
+    std::vector<std::shared_ptr<SharedVertex>> vertices;
+    std::vector<std::shared_ptr<SharedLine>> closed_lines;
+    std::vector<std::shared_ptr<SharedFace>> faces;
+};
+
+/// Everything that cells so far have drawn and others may have, too. Cells that have anything in common come
+/// in the order of their objects.
 class Store {
 public:
-    explicit Store(const DiagramScene& scene) : has_come_(scene.objects.size(), false) {
-        if (scene.is_periodic()) decided_.emplace(scene);
-        for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-            if (auto planes = vcell::part_ends(scene.objects[i], scene.box); !planes.empty())
-                part_ends_[i] = std::move(planes);
-    }
+    /// Of a scene of so many objects. The lattice is none where the box does not repeat; `part_ends`: where
+    /// the parts of tubes' cells end.
+    Store(std::optional<whole::Lattice> lattice,
+          std::unordered_map<std::uint32_t, std::vector<Plane>> part_ends, std::size_t objects)
+        : lattice_(std::move(lattice)), part_ends_(std::move(part_ends)), has_come_(objects, false) {}
 
     /// Where the parts of a tube's cell end.
     const std::vector<Plane>& part_ends(std::uint32_t object) const {
@@ -154,33 +162,73 @@ public:
     }
     bool has_part_ends() const { return !part_ends_.empty(); }
 
-    bool is_periodic() const { return decided_.has_value(); }
+    bool is_periodic() const { return lattice_.has_value(); }
     Vec3 place(const Vec3& unmoved_place, const Image& by) const {
-        if (by == unmoved) return unmoved_place;
-        return unmoved_place + decided_->balls().lattice().shift(by);
+        return by == unmoved ? unmoved_place : Vec3(unmoved_place + lattice_->shift(by));
     }
     Vec3 place(const SharedPoint& p) const { return place(p.unmoved_place, p.image); }
 
-    SharedPoint new_point(const Vec3& place) { return {next_++, unmoved, place}; }
-    SharedId new_id() { return next_++; }
+    // Numbers ascend as they would if all cells were drawn in the order of their objects.
+    SharedPoint new_point(const Vec3& place) { return {new_id(), unmoved, place}; }
+    SharedId new_id() { return SharedId{current_} << 32 | next_++; }
 
-    /// Cells of lower objects come no more.
-    void pass_to(std::uint32_t object) {
-        for (; passed_ < object; ++passed_) {
-            vertices.erase(passed_);
-            closed_lines.erase(passed_);
-            faces.erase(passed_);
-        }
+    /// A cell of that object is drawn: of what it has in common with others these have the higher numbers, or
+    /// have come.
+    void begin(std::uint32_t object) {
+        if (object != current_) next_ = 0;
+        current_ = object;
     }
+    bool may_come(std::uint32_t object) const { return object >= current_; }
     void has_drawn(std::uint32_t object) { has_come_[object] = true; }
     bool has_come(std::uint32_t object) const { return has_come_[object]; }
-    bool may_come(std::uint32_t object) const { return object >= passed_; }
+    /// No cell of the object comes any more.
+    void forget(std::uint32_t object) {
+        vertices.erase(object);
+        closed_lines.erase(object);
+        faces.erase(object);
+    }
 
-    /// Under each of its objects whose cells may come.
-    template <class T, class Shared>
-    void list(Lists<T>& lists, const std::shared_ptr<Shared>& what) {
-        for (const NetworkSite& s : what->sites)
-            if (s.site.is_object() && may_come(s.site.index)) lists[s.site.index].push_back(T{what, s.image});
+    void add(const std::shared_ptr<SharedVertex>& vertex) {
+        list(vertices, vertex);
+        note(vertex);
+    }
+    void add(const std::shared_ptr<SharedLine>& closed_line) {
+        list(closed_lines, closed_line);
+        if (is_noting_) added_.closed_lines.push_back(closed_line);
+    }
+    void add(const std::shared_ptr<SharedFace>& face) {
+        faces[face->beyond.site.index].push_back(face);
+        if (is_noting_) added_.faces.push_back(face);
+    }
+    void add_site(const std::shared_ptr<SharedVertex>& vertex, const NetworkSite& site) {
+        vertex->sites.insert(std::ranges::upper_bound(vertex->sites, site), site);
+        if (site.site.is_object() && may_come(site.site.index))
+            vertices[site.site.index].push_back({vertex, site.image});
+        note(vertex);
+    }
+    void add_line(const std::shared_ptr<SharedVertex>& vertex, std::shared_ptr<SharedLine> line) {
+        vertex->lines.push_back(std::move(line));
+        note(vertex);
+    }
+
+    /// From now on additions are noted.
+    void note_additions() { is_noting_ = true; }
+    /// Those since the last call.
+    Additions take_additions() {
+        std::ranges::sort(added_.vertices, {}, [](const auto& v) { return v->point.id; });
+        added_.vertices.erase(std::ranges::unique(added_.vertices).begin(), added_.vertices.end());
+        added_.object = current_;
+        return std::exchange(added_, {});
+    }
+    /// What a store elsewhere had for additions. They are this store's from now on.
+    void learn(const Additions& additions) {
+        begin(additions.object);
+        const bool was_noting = std::exchange(is_noting_, false);
+        for (const auto& vertex : additions.vertices) learn(vertex);
+        is_noting_ = was_noting;
+        for (const auto& line : additions.closed_lines) list(closed_lines, line);
+        for (const auto& face : additions.faces) faces[face->beyond.site.index].push_back(face);
+        has_drawn(additions.object);
     }
 
     Lists<ListedVertex> vertices;
@@ -190,11 +238,40 @@ public:
     std::size_t drawn_again = 0;
 
 private:
-    std::optional<whole::DecidedDiagram> decided_;  // where the box repeats
+    // Under each of its objects whose cells may come.
+    template <class T, class Shared>
+    void list(Lists<T>& lists, const std::shared_ptr<Shared>& what) {
+        for (const NetworkSite& s : what->sites)
+            if (s.site.is_object() && may_come(s.site.index)) lists[s.site.index].push_back(T{what, s.image});
+    }
+    void note(const std::shared_ptr<SharedVertex>& vertex) {
+        if (is_noting_) added_.vertices.push_back(vertex);
+    }
+    void learn(const std::shared_ptr<SharedVertex>& vertex) {
+        const std::shared_ptr<SharedVertex> known = stored(*vertex);
+        if (!known) return list(vertices, vertex);
+        for (const NetworkSite& s : vertex->sites)
+            if (!std::ranges::binary_search(known->sites, s)) add_site(known, s);
+        for (const auto& line : vertex->lines)
+            if (std::ranges::none_of(known->lines, [&](const auto& l) { return l->id == line->id; }))
+                known->lines.push_back(line);
+    }
+    std::shared_ptr<SharedVertex> stored(const SharedVertex& vertex) const {
+        for (const NetworkSite& s : vertex.sites) {
+            const auto list = s.site.is_object() ? vertices.find(s.site.index) : vertices.end();
+            if (list == vertices.end()) continue;
+            for (const ListedVertex& listed : list->second)
+                if (listed.what->point.id == vertex.point.id) return listed.what;
+        }
+        return nullptr;
+    }
+
+    std::optional<whole::Lattice> lattice_;
     std::unordered_map<std::uint32_t, std::vector<Plane>> part_ends_;
     std::vector<bool> has_come_;
-    std::uint32_t passed_ = 0;
-    SharedId next_ = 0;
+    std::uint32_t current_ = 0, next_ = 0;
+    bool is_noting_ = false;
+    Additions added_;
 };
 
 }  // namespace vcell::shared

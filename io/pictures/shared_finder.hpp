@@ -71,7 +71,7 @@ protected:
     template <class T, class Visit>
     void for_stored(const Lists<T>& lists, const MeetingSites& sites, Visit&& visit) const {
         for (const NetworkSite& s : sites) {
-            if (!s.site.is_object()) continue;
+            if (!s.site.is_object() || !store_.may_come(s.site.index)) continue;
             const auto list = lists.find(s.site.index);
             if (list == lists.end()) continue;
             for (const T& listed : list->second) visit(listed, sum(s.image, opposite(listed.image)));
@@ -129,10 +129,7 @@ protected:
         // What other cells had left out, as it owns nothing there.
         for (const NetworkSite& s : sites) {
             const NetworkSite there = moved(s, opposite(best.by));
-            if (std::ranges::binary_search(best.vertex->sites, there)) continue;
-            best.vertex->sites.insert(std::ranges::upper_bound(best.vertex->sites, there), there);
-            if (there.site.is_object() && store_.may_come(there.site.index))
-                store_.vertices[there.site.index].push_back({best.vertex, there.image});
+            if (!std::ranges::binary_search(best.vertex->sites, there)) store_.add_site(best.vertex, there);
         }
         return CellPoint{best.vertex->point.at(best.by), best.vertex};
     }
@@ -140,7 +137,7 @@ protected:
         const MeetingSites sites = meeting(v.sites);
         const auto vertex = std::make_shared<SharedVertex>(
             SharedVertex{store_.new_point(v.point), sites, v.error, v.is_touching, {}});
-        if (is_shared(sites)) store_.list(store_.vertices, vertex);
+        if (is_shared(sites)) store_.add(vertex);
         return {vertex->point, vertex};
     }
 

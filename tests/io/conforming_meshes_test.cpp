@@ -527,7 +527,9 @@ TEST_CASE("conforming meshes: meshes that do not fit are seen") {
     soup.facets.erase(outer);
     CHECK(outer_volume(soup) != doctest::Approx(box_volume(scene)).epsilon(1e-12));
     // Each cell by itself.
-    const Soup alone = soup_of(scene, [](std::uint32_t, const Cell& cell) { return mesh_among_many(cell); });
+    const Soup alone = soup_of(scene, [](std::uint32_t, const Cell& cell) {
+        return tessellate(cell, {0.002 * cell_diagonal(cell), true});
+    });
     CHECK(lone_triangles(alone) > 100);
     CHECK(all_volume(alone) != doctest::Approx(box_volume(scene)).epsilon(1e-8));
 }
