@@ -122,4 +122,9 @@ std::string chord_complaint(const std::string& text) {
                              printable(text));
 }
 
+std::string part_complaint(const std::string& text) {
+    const auto chord = to_chord(text);
+    return chord && chord->is_relative ? "" : fmt::format("must be like 0.2%, is {}", printable(text));
+}
+
 }  // namespace vcell

@@ -77,5 +77,6 @@ std::string number_complaint(const std::string& text);
 std::string positive_complaint(const std::string& text);
 std::string count_complaint(const std::string& text);
 std::string chord_complaint(const std::string& text);
+std::string part_complaint(const std::string& text);
 
 }  // namespace vcell

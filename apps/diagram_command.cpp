@@ -30,11 +30,6 @@ std::string cut_complaint(const std::string& text) {
     return is_known ? "" : fmt::format("must be like z=0.5, is {}", printable(text));
 }
 
-std::string part_complaint(const std::string& text) {
-    const auto chord = to_chord(text);
-    return chord && chord->is_relative ? "" : fmt::format("must be like 0.2%, is {}", printable(text));
-}
-
 // Wrong usage is what the files' library takes for an invalid argument.
 std::unique_ptr<DiagramFiles> open_files(const std::vector<std::string>& paths, const std::string& chord,
                                          std::optional<std::size_t> most_triangles, const std::string& cut) {

@@ -137,7 +137,7 @@ void write_attributes(hid_t group) {
     check(H5Awrite(as_type, text, type.data()));
 }
 
-void write_all(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordered, hid_t file) {
+void write_all(Ranks& ranks, const OrderedMesh& ordered, hid_t file) {
     const LabelledMesh& mesh = ordered.mesh;
     const std::uint64_t points = mesh.points.size(), triangles = mesh.triangles.size();
     const auto group = [&](hid_t in, const char* name) {
@@ -180,8 +180,7 @@ void write_all(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordered
     out.rows(root, "Types", H5T_STD_U8LE, H5T_NATIVE_UINT8, 1, triangles, types.data());
     out.rows(of_points, "clearance", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 1, points, mesh.clearance.data());
     out.rows(of_cells, "cell", H5T_STD_I32LE, H5T_NATIVE_INT32, 1, triangles, mesh.cell.data());
-    if (!parts.frame.is_periodic())
-        out.rows(of_cells, "neighbor", H5T_STD_I32LE, H5T_NATIVE_INT32, 1, triangles, mesh.neighbor.data());
+    out.rows(of_cells, "neighbor", H5T_STD_I32LE, H5T_NATIVE_INT32, 1, triangles, mesh.neighbor.data());
     out.rows(of_cells, "volume", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 1, triangles, ordered.volume.data());
 }
 
@@ -189,7 +188,7 @@ void write_all(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordered
 
 bool has_grid_files() { return true; }
 
-void write_grid(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordered, const SharedFile& file) {
+void write_grid(Ranks& ranks, const OrderedMesh& ordered, const SharedFile& file) {
     const auto refuse = [&](bool is_done) {
         ranks.together([&] {
             if (!is_done) throw WriteError(fmt::format("cannot write {}: HDF5 says no", file.target()));
@@ -201,7 +200,7 @@ void write_grid(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordere
     check(H5Pset_fapl_mpio(access, ranks.all(), MPI_INFO_NULL));
     const hid_t id = H5Fcreate(file.hidden().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
     refuse(id >= 0);
-    write_all(ranks, parts, ordered, id);
+    write_all(ranks, ordered, id);
     refuse(H5Fclose(id) >= 0);
 }
 
@@ -209,9 +208,7 @@ void write_grid(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordere
 
 bool has_grid_files() { return false; }
 
-void write_grid(Ranks&, const SceneParts&, const OrderedMesh&, const SharedFile&) {
-    throw InternalError("there is no HDF5");
-}
+void write_grid(Ranks&, const OrderedMesh&, const SharedFile&) { throw InternalError("there is no HDF5"); }
 
 #endif
 

@@ -20,13 +20,13 @@ struct OrderedMesh {
     std::vector<double> volume;  ///< of the cell that each triangle bounds
 };
 
-/// `meshes` are those of the own objects' cells, in their order; none where there is no cell, or no ball's.
+/// `meshes` are those of the own objects' cells, in their order; none where there is none.
 OrderedMesh in_order(Ranks& ranks, const SceneParts& parts, const OrderedCells& ordered,
                      std::vector<std::optional<LabelledMesh>> meshes);
 
 /// VTKHDF 1.0, an UnstructuredGrid of one piece: triangles with the data cell (the object), neighbor (what is
-/// beyond, as LabelledMesh has it; left out where the box repeats, as images have no numbers) and volume;
-/// points with clearance. Throws SharedFailure. Pre: has_grid_files().
-void write_grid(Ranks& ranks, const SceneParts& parts, const OrderedMesh& ordered, const SharedFile& file);
+/// beyond, as LabelledMesh has it) and volume; points with clearance. Throws SharedFailure. Pre:
+/// has_grid_files().
+void write_grid(Ranks& ranks, const OrderedMesh& ordered, const SharedFile& file);
 
 }  // namespace vcell::mpi

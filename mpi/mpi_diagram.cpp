@@ -14,9 +14,9 @@
 
 #include "../core/threads.hpp"
 #include "../io/files/diagram_file.hpp"
-#include "../io/pictures/diagram_pictures.hpp"
 #include "../io/pictures/mesh_formats.hpp"
 #include "grid_file.hpp"
+#include "meshed_cells.hpp"
 #include "ordered.hpp"
 #include "scene_parts.hpp"
 #include "shared_cells.hpp"
@@ -56,6 +56,18 @@ void warn_of(Ranks& ranks, const std::vector<std::string>& mine) {
         for (LetterReader in(all); !in.at_end();) warn(in.get<std::string>());
 }
 
+std::vector<DiagramCell> measured_cells(Ranks& ranks, const SceneParts& parts, Surroundings& around,
+                                        unsigned threads) {
+    if (around.are_sharing()) return shared_cells(ranks, parts, around, threads);
+    std::vector<DiagramCell> cells(parts.own.size());
+    ranks.together([&] {
+        for_all(cells.size(), threads, [&](std::size_t i) {
+            cells[i] = whole::find_cell(around.decided(), around.place(i), nullptr);
+        });
+    });
+    return cells;
+}
+
 std::string cell_rows(Ranks& ranks, const OrderedCells& ordered) {
     std::ostringstream out;
     if (ranks.is_first()) write_cell_header(out);
@@ -74,15 +86,17 @@ std::string contact_rows(Ranks& ranks, const OrderedCells& ordered) {
     return std::move(out).str();
 }
 
-std::string statistics_rows(Ranks& ranks, std::size_t own, const RoundStatistics& s, const Seconds& took) {
+std::string statistics_rows(Ranks& ranks, std::size_t own, const RoundStatistics& s,
+                            std::uint64_t mesh_rounds, const Seconds& took) {
     std::string text;
     if (ranks.is_first())
         text =
-            "rank\tobjects\trounds\tasking\tquestions\tghosts\treplicated\tbytes\tbytes_in_all\tspread_s\trounds_s\t"
-            "cells_s\toutput_s\n";
-    return text + fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{:.3f}\t{:.3f}\t{:.3f}\n",
+            "rank\tobjects\trounds\tasking\tquestions\tghosts\treplicated\tbytes\tbytes_in_all\tmesh_rounds\tspread_s\t"
+            "rounds_s\tcells_s\toutput_s\n";
+    return text + fmt::format("{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{:.3f}\t{:.3f}\t{:.3f}\n",
                               ranks.rank(), own, s.rounds, s.asking, s.questions, s.ghosts, s.replicated,
-                              s.bytes, ranks.bytes_sent(), took.spread, took.rounds, took.cells, took.output);
+                              s.bytes, ranks.bytes_sent(), mesh_rounds, took.spread, took.rounds, took.cells,
+                              took.output);
 }
 
 }  // namespace
@@ -97,6 +111,13 @@ MpiDiagram::MpiDiagram(CLI::App& app) : command_(*app.add_subcommand("diagram", 
         .add_option("-o,--output", output_,
                     "all cells' boundaries, .vtkhdf, for ParaView: triangles with cell, neighbor and volume")
         ->type_name("FILE");
+    command_
+        .add_option(
+            "--chord", chord_,
+            "meshes: largest distance of a triangle side from the surface, as a part of the cell's diagonal")
+        ->check(part_complaint)
+        ->type_name("PART%")
+        ->capture_default_str();
     command_.add_option("--statistics", statistics_, "table of what each process asked, sent and took")
         ->type_name("FILE");
     scene_.add_to(command_);
@@ -150,30 +171,20 @@ Status MpiDiagram::run(Ranks& ranks) const {
     Surroundings around(ranks, parts, grid_file == nullptr, threads);
     took.rounds = clock.seconds();
 
-    std::vector<DiagramCell> cells(parts.own.size());
-    std::vector<std::optional<LabelledMesh>> meshes(grid_file ? parts.own.size() : 0);
-    if (around.are_sharing())
-        cells = shared_cells(ranks, parts, around, threads);
+    MeshedCells found;
+    if (grid_file)
+        found = meshed_cells(ranks, parts, around, to_chord(chord_)->value, threads);
     else
-        ranks.together([&] {
-            for_all(cells.size(), threads, [&](std::size_t i) {
-                std::optional<Cell> cell;
-                cells[i] = whole::find_cell(
-                    around.decided(), around.place(i),
-                    grid_file && around.decided().is_ball(around.place(i)) ? &cell : nullptr);
-                if (!cell) return;
-                meshes[i].emplace();
-                meshes[i]->add(static_cast<std::int32_t>(parts.own[i].number), *cell, mesh_among_many(*cell));
-            });
-        });
+        found.cells = measured_cells(ranks, parts, around, threads);
     took.cells = clock.seconds();
-    const OrderedCells ordered = in_order(ranks, parts, std::move(cells));
+    const OrderedCells ordered = in_order(ranks, parts, std::move(found.cells));
     if (cell_file) cell_file->write(ranks.together([&] { return cell_rows(ranks, ordered); }));
     if (contact_file) contact_file->write(ranks.together([&] { return contact_rows(ranks, ordered); }));
-    if (grid_file) write_grid(ranks, parts, in_order(ranks, parts, ordered, std::move(meshes)), *grid_file);
+    if (grid_file) write_grid(ranks, in_order(ranks, parts, ordered, std::move(found.meshes)), *grid_file);
     took.output = clock.seconds();
     if (statistics_file)
-        statistics_file->write(statistics_rows(ranks, parts.own.size(), around.statistics(), took));
+        statistics_file->write(
+            statistics_rows(ranks, parts.own.size(), around.statistics(), found.rounds, took));
     const std::array files{cell_file.get(), contact_file.get(), statistics_file.get(), grid_file.get()};
     for (SharedFile* file : files)
         if (file != nullptr) file->close();

@@ -27,6 +27,7 @@ private:
     CLI::App& command_;
     DiagramSceneArguments scene_;
     std::string cells_, contacts_, output_, statistics_;
+    std::string chord_ = "0.2%";
     ThreadsArgument threads_{"1"};
 };
 

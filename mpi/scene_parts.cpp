@@ -73,7 +73,7 @@ SceneParts spread(Ranks& ranks, std::optional<DiagramScene> scene, const std::st
     const KdBlocks blocks(ranks, centers, ranks.sum(static_cast<std::uint64_t>(centers.size())));
     std::vector<Letter> to(ranks.size());
     Letter others;
-    int next = 0;
+    std::size_t next = 0;
     for (std::uint32_t i = 0; i < snapped.objects.size(); ++i) {
         const Object& object = snapped.objects[i];
         const std::string name = text_at(given.names, i);
@@ -81,7 +81,7 @@ SceneParts spread(Ranks& ranks, std::optional<DiagramScene> scene, const std::st
         if (const auto* ball = std::get_if<Sphere>(&object)) {
             rank = blocks.rank_of(ball->center);
         } else {
-            rank = next++ % ranks.size();
+            rank = rank_of_other(next++, ranks.size());
             others.put(i);
             others.put(object);
             others.put(name);

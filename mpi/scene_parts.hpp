@@ -40,6 +40,11 @@ struct SceneParts {
 /// which names the file of that path.
 SceneParts spread(Ranks& ranks, std::optional<DiagramScene> scene, const std::string& path);
 
+/// The rank that the cell of parts.others[place] goes to.
+inline int rank_of_other(std::size_t place, int ranks) {
+    return static_cast<int>(place % static_cast<std::size_t>(ranks));
+}
+
 /// Numbers are cut into ranges for what is written in their order: rank r has those from range_begin(r, ...)
 /// to range_begin(r + 1, ...).
 std::uint32_t range_begin(int rank, int ranks, std::uint32_t count);

@@ -98,7 +98,7 @@ Surroundings::Surroundings(Ranks& ranks, const SceneParts& parts, bool are_measu
     hidden_.resize(parts_.own.size());
     is_large_.resize(parts_.own.size());
     sent_.resize(ranks_.size());
-    for (const KnownObject& other : parts_.others) learn(other, ranks_.rank());
+    learn_others();
     replicate_large_balls();
     find_hidden();
     forget_hidden();
@@ -110,6 +110,11 @@ Surroundings::Surroundings(Ranks& ranks, const SceneParts& parts, bool are_measu
 
 void Surroundings::learn(KnownObject known, int from) {
     known_.emplace(known.number, Known{std::move(known), from});
+}
+
+void Surroundings::learn_others() {
+    for (std::size_t k = 0; k < parts_.others.size(); ++k)
+        learn(parts_.others[k], rank_of_other(k, ranks_.size()));
 }
 
 int Surroundings::owner(std::uint32_t number) const {
@@ -192,7 +197,7 @@ void Surroundings::find_hidden() {
 void Surroundings::forget_hidden() {
     for (auto& sent : sent_) sent.clear();
     known_.clear();
-    for (const KnownObject& other : parts_.others) learn(other, ranks_.rank());
+    learn_others();
     Letter mine;
     std::uint64_t balls = 0;
     for (std::size_t i = 0; i < parts_.own.size(); ++i) {

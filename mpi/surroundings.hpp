@@ -56,7 +56,7 @@ public:
     bool are_sharing() const { return are_sharing_; }
     /// Such a cell, if it was found on the way.
     std::optional<whole::FoundCell>& found(std::size_t own) { return found_[own]; }
-    /// The rank that has a ball that is known.
+    /// The rank that has an object that is known.
     int owner(std::uint32_t number) const;
     /// More rounds: then find_cell() will do of these own objects, too.
     void settle_bounds(const std::vector<std::size_t>& own);
@@ -70,6 +70,7 @@ private:
     bool is_ball(std::size_t own) const { return std::holds_alternative<Sphere>(parts_.own[own].object); }
     const Sphere& ball(std::size_t own) const { return std::get<Sphere>(parts_.own[own].object); }
     void learn(KnownObject known, int from);
+    void learn_others();
     void replicate_large_balls();
     BlockMap block_map() const;
     void find_hidden();
@@ -92,7 +93,7 @@ private:
     std::vector<bool> is_large_;       // of own objects
     std::vector<std::string> hidden_;  // of own objects
     struct Known : KnownObject {
-        int from;  // the rank that has it, of a ball
+        int from;  // the rank that has it
     };
     std::map<std::uint32_t, Known> known_;  // of others' objects: large balls, ghosts; all that are no balls
     std::vector<std::unordered_set<std::uint32_t>> sent_;  // for each rank, places of own objects

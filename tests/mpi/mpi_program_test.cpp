@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "../apps/workplace.hpp"
+#include "../io/vtu_arrays.hpp"
 #include "../test_support.hpp"
 
 namespace {
@@ -150,6 +151,53 @@ TEST_CASE("vcell-mpi: a grid is one file of the same bytes, and its triangles en
         sum += volume;
     }
     CHECK(sum == doctest::Approx(1.2 * 1.2 * 1.2));
+}
+
+// In which order ranks draw cells is another one for each number of them.
+TEST_CASE("vcell-mpi: meshes are those of vcell, triangle for triangle") {
+    std::mt19937_64 rng(vcell::test_seed());
+    const Workplace work;
+    work.write("balls.txt", random_balls(rng, 50, 0.16, false));
+    // All their vertices are degenerate.
+    std::string lattice;
+    for (int i = 0; i < 64; ++i)
+        if (const int x = i % 4, y = i / 4 % 4, z = i / 16; (x + y + z) % 2 == 0)
+            lattice += std::to_string(x) + ' ' + std::to_string(y) + ' ' + std::to_string(z) + " 0.5\n";
+    work.write("fcc.txt", lattice);
+    const auto bytes_of = [](const auto& values) {
+        return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]);
+    };
+    for (const std::string scene :
+         {"balls.txt --box 0 0 0 1 1 1 --chord 1%",
+          "balls.txt --box 0 0 0 1 1 1 --periodic xyz --tilt 0.3 0.1 -0.2 --chord 1%",
+          "balls.txt --box -0.2 -0.2 -0.2 1.2 1.2 1.2 --probe 0.1 --chord 1%",
+          "fcc.txt --box 0 0 0 4 4 4 --periodic xyz", "'" VCELL_EXAMPLE_SCENES "/hopper.json' --chord 1%",
+          "'" VCELL_EXAMPLE_SCENES "/fibres_in_tube.json' --chord 1%"}) {
+        CAPTURE(scene);
+        REQUIRE(work.run("diagram " + scene + " -o one.vtu").status == 0);
+        const std::string one = work.read("one.vtu");
+        std::string first;
+        for (const int n : {1, 4}) {
+            CAPTURE(n);
+            const Outcome done = work.run_command(mpirun(n) + "diagram " + scene + " -o many.vtkhdf" +
+                                                  (n == 4 ? " --threads 2" : ""));
+            CAPTURE(done.err);
+            REQUIRE(done.status == 0);
+            if (first.empty()) first = work.read("many.vtkhdf");
+            CHECK(work.read("many.vtkhdf") == first);
+        }
+        const hid_t file = H5Fopen(work.path("many.vtkhdf").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+        REQUIRE(file >= 0);
+        const auto is_same = [&](const char* name, const auto& values) {
+            return vcell::testing::array_of(one, name) == bytes_of(values);
+        };
+        CHECK(is_same("connectivity", list<std::int32_t>(file, "/VTKHDF/Connectivity", H5T_NATIVE_INT32)));
+        CHECK(is_same("clearance", list<double>(file, "/VTKHDF/PointData/clearance", H5T_NATIVE_DOUBLE)));
+        CHECK(is_same("cell", list<std::int32_t>(file, "/VTKHDF/CellData/cell", H5T_NATIVE_INT32)));
+        CHECK(is_same("neighbor", list<std::int32_t>(file, "/VTKHDF/CellData/neighbor", H5T_NATIVE_INT32)));
+        CHECK(is_same("Points", list<double>(file, "/VTKHDF/Points", H5T_NATIVE_DOUBLE)));
+        H5Fclose(file);
+    }
 }
 #endif
 
