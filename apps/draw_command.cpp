@@ -97,7 +97,11 @@ Status DrawCommand::run() const {
             {{clips_[i], clips_[i + 1], clips_[i + 2]}, {clips_[i + 3], clips_[i + 4], clips_[i + 5]}});
     }
     const Cell drawn = cell();
-    write_png(file.stream(), draw_view(drawn, tessellate(drawn), options));
+    // Where the cell fills the picture no chord is seen, and where much of it is clipped hardly one.
+    constexpr double of_pixel = 0.125;
+    MeshOptions mesh;
+    mesh.chord = of_pixel / static_cast<double>(options.size) * cell_diagonal(drawn);
+    write_png(file.stream(), draw_view(drawn, tessellate(drawn, mesh), options));
     file.commit();
     return report(drawn);
 }
