@@ -343,10 +343,10 @@ private:
     // and what rounding of the center adds. Where the numbers are rounded it is what they are of two objects
     // at the distance t + delta: what moves these counts twice that distance.
     double terms(const Vector4d& sizes) const {
-        const double sum = sizes.sum(), moved = is_rounded_ ? 2 * (sizes[3] + delta_) * (sum + reach_)
-                                                            : 2 * bend_ * sum * reach_;
-        return scale_ * (sizes.dot(quadric_->M.cwiseAbs() * sizes + quadric_->l.cwiseAbs()) +
-                         std::abs(quadric_->k) + moved);
+        const Vector4d slopes = quadric_->M.cwiseAbs() * sizes;
+        const double moved = is_rounded_ ? 2 * (sizes[3] + delta_) * (sizes.sum() + reach_)
+                                         : (2 * slopes.sum() + bend_ * rounding * reach_) * reach_;
+        return scale_ * (sizes.dot(slopes + quadric_->l.cwiseAbs()) + std::abs(quadric_->k) + moved);
     }
     double quadric_residual(const SpanPolynomials& span) const {
         const Matrix4d& M = quadric_->M;
