@@ -61,7 +61,8 @@ private:
         if (!bound) return;
         const auto nearer = certify_no_rivals(edge_, bound->distance, subject_, options_, certificate_);
         if (!nearer) return;
-        if (e.error > most_stated(bound->distance, bound->rounded) && e.error > most_stated(trims_off(i)))
+        if (e.error > most_stated(bound->distance, bound->rounded) && e.error > 4 * ends_error(e) &&
+            e.error > most_stated(trims_off(i)))
             return certificate_.refute(edge_.path + ".error",
                                        fmt::format("is {:.3g}, the curve is within {:.3g} of the true one",
                                                    e.error, bound->distance),
@@ -92,6 +93,13 @@ private:
             return false;
         }
         return true;
+    }
+
+    /// The true arc ends in the true vertices, wherever within their errors these are.
+    double ends_error(const CellEdge& e) const {
+        double most = 0;
+        for (const std::uint32_t v : e.vertices) most = std::max(most, cell_.vertices[v].error);
+        return most;
     }
 
     /// How far trims are seen to be off their edge: its error is said to be theirs, too.

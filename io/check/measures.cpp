@@ -210,8 +210,10 @@ private:
             // The true arc ends within the error of its vertices; between them its length differs by the
             // error of the direction, of which the written curve's turning tells: at most the error times the
             // angle, twice the error at the ends and the error's own turning, which nobody bounds.
+            double ends = 0;
+            for (const std::uint32_t v : edge.vertices) ends += cell_.vertices[v].error;
             judge(edge_path(e) + ".length", edge.length, edge.length_error, integrals_.lengths[e],
-                  4 * edge_error(e), 1);
+                  4 * edge_error(e) + ends / frame_.unit(), 1);
         }
     }
 
