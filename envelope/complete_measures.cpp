@@ -46,6 +46,8 @@ double steepness(const Object& base, const Object& object, const Vec3& normal, c
     return std::min(most, 1 / sine) - 1;
 }
 
+constexpr int sign_of(unsigned subset) { return std::popcount(subset) % 2 == 0 ? 1 : -1; }
+
 // Measures added and taken away.
 class Sum {
 public:
@@ -53,15 +55,18 @@ public:
     /// Slabs along sides of the box may be left out.
     explicit Sum(const Scene& scene) : scene_(&scene) {}
 
-    void add(const Cell& cell, int sign) {
+    /// `alone`: the sides of the box that the cell is beyond, one bit each; it ends in their planes.
+    void add(const Cell& cell, unsigned alone) {
+        const int sign = sign_of(alone);
         add_slanting(cell);
+        add_crossings(cell, alone, -sign);
         if (!std::isfinite(cell.measures.volume + cell.measures.volume_error + cell.measures.area +
                            cell.measures.area_error))
             throw UndecidedError("the cell's measures: no bound on their error");
         add(volume_, sign * cell.measures.volume, cell.measures.volume_error);
         for (const CellFace& face : cell.faces) {
-            add_area(face.site, sign * face.area, face.area_error);
-            for (const Site site : face.extra_sites) add_area(site, sign * face.area, face.area_error);
+            add_area(face.site, sign, face);
+            for (const Site site : face.extra_sites) add_area(site, sign, face);
             if (face.site.is_object()) add(area_, sign * face.area, face.area_error);
             if (face.site.kind == Site::Kind::Cap) add(exposed_, sign * face.area, face.area_error);
         }
@@ -76,7 +81,7 @@ public:
         const double area = width * (std::numbers::pi * diagonal + slanting_);
         area_.error += area;
         exposed_.error += area;
-        for (auto& [object, share] : shares_) share.error += area;
+        left_out_ += area;
         is_estimated_ = true;
     }
     CompleteMeasures result(double unit) const {
@@ -90,9 +95,11 @@ public:
         m.exposed_error = square * exposed_.bound();
         m.is_estimated = is_estimated_;
         m.assumed = assumed_;
+        // In what is left out a neighbour can only have more.
         for (const auto& [object, share] : shares_)
-            if (share.value > share.bound())
-                m.neighbors.push_back({object, square * share.value, square * share.bound()});
+            if (share.is_neighbor())
+                m.neighbors.push_back({object, square * std::max(0.0, share.area.value),
+                                       square * (share.area.bound() + left_out_)});
         std::ranges::stable_sort(m.neighbors, std::ranges::greater(), &CompleteMeasures::Neighbor::area);
         return m;
     }
@@ -126,20 +133,47 @@ private:
             return error + std::numeric_limits<double>::epsilon() * static_cast<double>(terms) * size;
         }
     };
+    // A face that is smaller than its bound may be seen all the same: nothing of it is taken away, or on a
+    // side of the box that rays come in through it has an edge.
+    struct Share {
+        Term area;
+        std::array<Term, 6> edges;
+        bool is_taken_away = false;
+
+        bool is_neighbor() const {
+            const auto is_there = [](const Term& term) { return term.value > term.bound(); };
+            return !is_taken_away || is_there(area) || std::ranges::any_of(edges, is_there);
+        }
+    };
+    // Edges between faces and the planes of sides in which a cell beyond them ends: what all cells have of
+    // them together is what the box has.
+    void add_crossings(const Cell& cell, unsigned alone, int sign) {
+        for (const CellEdge& e : cell.edges)
+            for (const int i : {0, 1}) {
+                const Site &object = e.sites[i], &side = e.sites[1 - i];
+                if (!object.is_object() || side.kind != Site::Kind::BoxSide) continue;
+                const unsigned opposite = side.index ^ 1U;
+                if ((alone >> opposite & 1U) == 0 || !(e.length > 0)) continue;
+                add(shares_[object.index].edges[opposite], sign * e.length, e.length_error);
+            }
+    }
     static void add(Term& term, double value, double error) {
         term.value += value;
         term.error += error;
         term.size += std::abs(value);
         ++term.terms;
     }
-    void add_area(const Site& site, double area, double error) {
-        if (site.is_object()) add(shares_[site.index], area, error);
+    void add_area(const Site& site, int sign, const CellFace& face) {
+        if (!site.is_object()) return;
+        Share& share = shares_[site.index];
+        add(share.area, sign * face.area, face.area_error);
+        share.is_taken_away = share.is_taken_away || sign < 0;
     }
 
     const Scene* scene_ = nullptr;
-    double slanting_ = 0;
+    double slanting_ = 0, left_out_ = 0;  // area in slabs
     Term volume_, area_, exposed_;
-    std::map<std::uint32_t, Term> shares_;
+    std::map<std::uint32_t, Share> shares_;
     bool is_estimated_ = false;
     std::uint64_t assumed_ = 0;
 };
@@ -150,8 +184,6 @@ Vec3 corner_of(const Box& box, unsigned corner) {
     };
     return {coordinate(0), coordinate(1), coordinate(2)};
 }
-
-constexpr int sign_of(unsigned subset) { return std::popcount(subset) % 2 == 0 ? 1 : -1; }
 
 // ---- Planes -----------------------------------------------------------------------------------------
 
@@ -185,9 +217,11 @@ CompleteMeasures of_plane(Scene scene, const Plane& base) {
     for (unsigned before = 0; before < 8; ++before) {
         scene.box = box;
         bool is_asked = true;
+        unsigned alone = 0;
         for (unsigned axis = 0; axis < 3; ++axis) {
             const bool is_alone = (before & 1u << axis) != 0;
             is_asked = is_asked && (!is_alone || steps[axis] > 0);
+            if (is_alone) alone |= 1U << (2 * axis + (base.normal[axis] > 0 ? 0 : 1));
             if (base.normal[axis] > 0) {
                 if (is_alone) scene.box.max[axis] = box.min[axis];
                 scene.box.min[axis] = box.min[axis] - steps[axis];
@@ -198,7 +232,7 @@ CompleteMeasures of_plane(Scene scene, const Plane& base) {
         }
         if (!is_asked) continue;
         try {
-            sum.add(voronoi_cell(scene), sign_of(before));
+            sum.add(voronoi_cell(scene), alone);
         } catch (const InputError& e) {
             if (e.kind != InputError::Kind::EmptyBox) throw;
         }
@@ -256,7 +290,7 @@ void add_rooms(Sum& sum, const BoxSides& sides, const Box& around, const Decided
         if (sides.beyond[s]) beyond |= 1u << s;
     for (unsigned subset = 0; subset < 64; ++subset) {
         if ((subset & ~beyond) != 0) continue;
-        sum.add(lift(make_problem(room(sides, subset, around)), decided), sign_of(subset));
+        sum.add(lift(make_problem(room(sides, subset, around)), decided), subset);
     }
 }
 

@@ -451,12 +451,11 @@ private:
             for (const Site& site : face.extra_sites) add(site);
             if (face.site.is_object()) of_faces += face.area_error;
         }
-        // Slabs that are in no part of the cell may have faces with any of them.
+        // Slabs that are in no part of the cell may have faces with any of them, too.
         const double left_out = std::max(0.0, m.area_error - of_faces);
         for (auto& [number, contact] : found) {
             contact.area_error += left_out;
-            // What is no more than its error may be no contact.
-            if (contact.area > contact.area_error) result_.contacts.push_back(contact);
+            result_.contacts.push_back(contact);
         }
     }
 
