@@ -67,6 +67,10 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_.add_option("--groups", groups_, "table of the groups of objects: their cells as one")
         ->type_name("FILE");
     command_
+        .add_option("--group-contacts", group_contacts_,
+                    "table of the pairs of groups that are neighbours: area")
+        ->type_name("FILE");
+    command_
         .add_option("--moments", moments_,
                     "table of the cells of balls: centroid and second moments of the volume")
         ->type_name("FILE");
@@ -123,7 +127,7 @@ Status DiagramCommand::run() const {
         return files.emplace_back(std::make_unique<OutputFile>(name)).get();
     };
     OutputFile *cells = open(cells_), *pairs = open(contacts_), *groups = open(groups_),
-               *voids = open(network_), *moments = open(moments_);
+               *group_pairs = open(group_contacts_), *voids = open(network_), *moments = open(moments_);
     const bool is_summary_shown =
         std::ranges::none_of(files, [](const auto& f) { return f->target() == "-"; });
 
@@ -150,6 +154,7 @@ Status DiagramCommand::run() const {
     if (cells) write_cell_table(cells->stream(), scene, diagram);
     if (pairs) write_contact_table(pairs->stream(), scene, table);
     if (groups) write_group_table(groups->stream(), scene, diagram, table);
+    if (group_pairs) write_group_contacts(group_pairs->stream(), scene, table);
     // Where there is no network, the other tables are written all the same.
     bool has_network = true;
     if (network) try {

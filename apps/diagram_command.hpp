@@ -23,7 +23,7 @@ public:
 private:
     CLI::App& command_;
     DiagramSceneArguments scene_;
-    std::string cells_, contacts_, groups_, network_, moments_, cut_, chord_ = "0.2%";
+    std::string cells_, contacts_, groups_, group_contacts_, network_, moments_, cut_, chord_ = "0.2%";
     std::vector<std::string> outputs_;
     std::optional<std::size_t> most_triangles_;
     bool bodies_ = false;

@@ -305,4 +305,29 @@ void write_group_table(std::ostream& out, const DiagramScene& scene, const Voron
     }
 }
 
+void write_group_contacts(std::ostream& out, const DiagramScene& scene, const ContactTable& table) {
+    struct Shared {
+        std::string first, second;
+        std::size_t contacts = 0;
+        double area = 0, area_error = 0;
+    };
+    const GroupNames names(scene);
+    std::vector<Shared> all;
+    std::map<std::pair<std::string, std::string>, std::size_t> places;
+    for (const Contact& c : table.contacts) {
+        if (!c.second.is_object()) continue;
+        const std::string a = names[c.first], b = names[c.second.index];
+        if (a == b) continue;
+        const auto [at, is_new] = places.try_emplace(std::minmax(a, b), all.size());
+        if (is_new) all.push_back({a, b});
+        Shared& shared = all[at->second];
+        ++shared.contacts;
+        shared.area += c.area;
+        shared.area_error += c.area_error;
+    }
+    out << "first\tsecond\tcontacts\tarea\tarea_error\n";
+    for (const Shared& s : all)
+        fmt::print(out, "{}\t{}\t{}\t{}\t{}\n", s.first, s.second, s.contacts, s.area, s.area_error);
+}
+
 }  // namespace vcell

@@ -74,4 +74,8 @@ void write_contact_rows(std::ostream& out, const DiagramScene& scene,
 void write_group_table(std::ostream& out, const DiagramScene& scene, const VoronoiDiagram& diagram,
                        const ContactTable& table);
 
+/// first second contacts area area_error: what each pair of groups shares, by how many pairs of objects.
+/// Groups are called as in the table above, and come in the order of their first contacts.
+void write_group_contacts(std::ostream& out, const DiagramScene& scene, const ContactTable& table);
+
 }  // namespace vcell

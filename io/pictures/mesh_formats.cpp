@@ -142,12 +142,11 @@ void write_vtu(std::ostream& out, const LabelledMesh& mesh) {
     write_array(out, "type=\"Int32\" Name=\"cell\"", mesh.cell);
     write_array(out, "type=\"Int32\" Name=\"neighbor\"", mesh.neighbor);
     for (const LabelledMesh::Numbers& numbers : mesh.numbers)
-        write_array(out, fmt::format("type=\"Float32\" Name=\"{}\"", numbers.name), sizeof(float) * count,
+        write_array(out, fmt::format("type=\"Float64\" Name=\"{}\"", numbers.name), sizeof(double) * count,
                     [&](Bytes& data) {
                         for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
                             const LabelledMesh::Range& of = mesh.parts[p].triangles;
-                            for (std::size_t t = of.begin; t < of.end; ++t)
-                                data.add(static_cast<float>(numbers.of_parts[p]));
+                            for (std::size_t t = of.begin; t < of.end; ++t) data.add(numbers.of_parts[p]);
                         }
                     });
     out << "</CellData>\n<Points>\n";

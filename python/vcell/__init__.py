@@ -8,5 +8,7 @@ Lengths are in the unit of the scene, points are rows of arrays of doubles of sh
 bound unless `is_estimated` says otherwise. Sites are numbered in arrays: objects by their place in the scene, sides of the
 box -1 ... -6 (-x +x -y +y -z +z), the base and its ends -7, the cap at a probe's distance -8, and NO_SITE where there is none.
 """
+import numpy  # noqa: F401  results are its arrays: a Python without it is told here
+
 from ._vcell import *  # noqa: F401,F403
 from ._vcell import __version__  # noqa: F401

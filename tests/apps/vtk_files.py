@@ -150,7 +150,7 @@ def main():
         total += volume(mesh)
         porosity = 1 - float(row[column["body_volume"]]) / float(row[column["volume"]])
         told = arrays(of_cell.GetOutput().GetCellData())["porosity"].GetRange()
-        check(abs(told[0] - porosity) < 1e-6 and told[0] == told[1], f"all.vtu: porosity of {number} is {told}")
+        check(abs(told[0] - porosity) < 1e-15 and told[0] == told[1], f"all.vtu: porosity of {number} is {told}")
     check(len(rows) == 9 and abs(total - 27) < 1e-6, f"all.vtu: {len(rows) - 1} cells of volume {total}")
     run("diagram", "-", "--box", -1, -1, -1, 2, 2, 2, "--chord", "2%", "-o", folder / "coarse.vtu", input=balls)
     coarse = read(folder / "coarse.vtu")

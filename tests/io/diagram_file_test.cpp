@@ -107,10 +107,11 @@ TEST_CASE("diagram file: tables have as many columns in each line as in their he
     scene.names[0] = "with\ttab";
     const VoronoiDiagram diagram = voronoi_diagram(scene);
     const ContactTable table = contacts(diagram);
-    std::ostringstream cells, pairs, groups;
+    std::ostringstream cells, pairs, groups, between;
     write_cell_table(cells, scene, diagram);
     write_contact_table(pairs, scene, table);
     write_group_table(groups, scene, diagram, table);
+    write_group_contacts(between, scene, table);
     const auto lines_of = [](const std::string& text, std::size_t tabs) {
         std::size_t count = 0;
         std::istringstream in(text);
@@ -122,6 +123,14 @@ TEST_CASE("diagram file: tables have as many columns in each line as in their he
     CHECK(lines_of(pairs.str(), 11) == 1 + table.contacts.size());
     CHECK(lines_of(groups.str(), 9) == 1 + 3);  // g, and two objects of their own
     CHECK(cells.str().find("with tab") != std::string::npos);
+    // g has both of its cells beside the one that is not hidden.
+    CHECK(lines_of(between.str(), 4) == 1 + 1);
+    double area = 0;
+    for (const Contact& c : table.contacts)
+        if (c.first == 1 || c.second == Site::object(1)) area += c.second.is_object() ? c.area : 0;
+    const std::string row = between.str().substr(between.str().find('\n') + 1);
+    CHECK(row.starts_with("g\t1\t2\t"));
+    CHECK(std::stod(row.substr(6)) == doctest::Approx(area));
 }
 
 }  // namespace vcell

@@ -142,10 +142,10 @@ TEST_CASE("mesh formats: VTK's unstructured grid") {
     CHECK(at == corners.size());
     CHECK(volume(triangles) == doctest::Approx(2));
     const std::string porosities = array_of(file, "porosity");
-    CHECK(porosities.size() == 4 * count);
+    CHECK(porosities.size() == 8 * count);
     at = 0;
     for (std::size_t t = 0; t < count; ++t)
-        CHECK(take<float>(porosities, at) == (t < mesh.parts[0].triangles.end ? 0.25f : 0.75f));
+        CHECK(take<double>(porosities, at) == (t < mesh.parts[0].triangles.end ? 0.25 : 0.75));
 }
 
 // VTK numbers a quadrilateral's control points corners first, then side by side, then what is inside.
