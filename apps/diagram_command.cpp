@@ -31,10 +31,10 @@ std::string cut_complaint(const std::string& text) {
 }
 
 // Wrong usage is what the files' library takes for an invalid argument.
-std::unique_ptr<DiagramFiles> open_files(const std::vector<std::string>& paths, const std::string& chord,
+std::unique_ptr<DiagramFiles> open_files(const std::vector<std::string>& paths, double chord,
                                          std::optional<std::size_t> most_triangles, const std::string& cut) {
     DiagramFileOptions options;
-    options.chord = to_chord(chord)->value;
+    options.chord = chord;
     options.most_triangles = most_triangles;
     if (!cut.empty())
         options.cut = {cut[0] - 'x', *to_double(std::string_view(cut).substr(cut[2] == '+' ? 3 : 2))};
@@ -81,13 +81,7 @@ DiagramCommand::DiagramCommand(CLI::App& app)
             "through them, .svg, or the cells themselves, .step, .itd, .bezier.vtu or .json; may be repeated")
         ->allow_extra_args(false)
         ->type_name("FILE");
-    command_
-        .add_option(
-            "--chord", chord_,
-            "meshes: largest distance of a triangle side from the surface, as a part of the cell's diagonal")
-        ->check(part_complaint)
-        ->type_name("PART%")
-        ->capture_default_str();
+    chord_.add_to(command_);
     command_
         .add_option("--triangles", most_triangles_,
                     "meshes: the chord grows until all cells together have no more")
@@ -116,7 +110,7 @@ DiagramCommand::DiagramCommand(CLI::App& app)
 }
 
 Status DiagramCommand::run() const {
-    const std::unique_ptr<DiagramFiles> outputs = open_files(outputs_, chord_, most_triangles_, cut_);
+    const std::unique_ptr<DiagramFiles> outputs = open_files(outputs_, chord_.part(), most_triangles_, cut_);
     std::vector<std::unique_ptr<OutputFile>> files;
     const auto open = [&](const std::string& name) -> OutputFile* {
         if (name.empty()) return nullptr;
@@ -172,8 +166,9 @@ Status DiagramCommand::run() const {
     outputs->commit();
     for (const auto& file : files) file->commit();
 
-    if (const auto& size = outputs->mesh_size(); size && size->chord > to_chord(chord_)->value)
-        warn_of_chord(chord_, *most_triangles_, size->triangles, fmt::format("{:.3g}%", 100 * size->chord));
+    if (const auto& size = outputs->mesh_size(); size && size->chord > chord_.part())
+        warn_of_chord(chord_.text(), *most_triangles_, size->triangles,
+                      fmt::format("{:.3g}%", 100 * size->chord));
     for (const std::uint32_t i : outputs->without_faces())
         warn(fmt::format("no cell in the files of object {}: it is measured, but has no faces", i));
 

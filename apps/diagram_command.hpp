@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "chord_argument.hpp"
 #include "command.hpp"
 #include "diagram_scene_arguments.hpp"
 #include "threads_argument.hpp"
@@ -23,7 +24,8 @@ public:
 private:
     CLI::App& command_;
     DiagramSceneArguments scene_;
-    std::string cells_, contacts_, groups_, group_contacts_, network_, moments_, cut_, chord_ = "0.2%";
+    std::string cells_, contacts_, groups_, group_contacts_, network_, moments_, cut_;
+    ChordArgument chord_;
     std::vector<std::string> outputs_;
     std::optional<std::size_t> most_triangles_;
     bool bodies_ = false;

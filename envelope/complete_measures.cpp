@@ -95,7 +95,7 @@ public:
         m.exposed_error = square * exposed_.bound();
         m.is_estimated = is_estimated_;
         m.assumed = assumed_;
-        // In what is left out a neighbour can only have more.
+        // What is left out can only add to a share.
         for (const auto& [object, share] : shares_)
             if (share.is_neighbor())
                 m.neighbors.push_back({object, square * std::max(0.0, share.area.value),

@@ -51,55 +51,8 @@ std::shared_ptr<SharedLine> get_line(LetterReader& in) {
     return line;
 }
 
-void put(Letter& letter, const SharedVertex& vertex) {
-    put(letter, vertex.point);
-    letter.put(vertex.sites);
-    letter.put(vertex.error);
-    letter.put(vertex.is_touching);
-    letter.put(static_cast<std::uint64_t>(vertex.lines.size()));
-    for (const auto& line : vertex.lines) put(letter, *line);
-}
-std::shared_ptr<SharedVertex> get_vertex(LetterReader& in) {
-    auto vertex = std::make_shared<SharedVertex>();
-    vertex->point = get_point(in);
-    vertex->sites = in.list<NetworkSite>();
-    vertex->error = in.get<double>();
-    vertex->is_touching = in.get<bool>();
-    for (auto left = in.get<std::uint64_t>(); left > 0; --left) vertex->lines.push_back(get_line(in));
-    return vertex;
-}
-
-void put(Letter& letter, const SharedFace& face) {
-    letter.put(face.owner);
-    letter.put(face.beyond);
-    letter.put(static_cast<std::uint64_t>(face.border.size()));
-    for (const shared::BorderLine& line : face.border) {
-        letter.put(line.line);
-        letter.put(line.image);
-        letter.put(line.is_reversed);
-    }
-    put(letter, face.points);
-    letter.put(face.triangles);
-    letter.put(face.normals);
-    letter.put(face.corner_normals);
-    letter.put(face.across);
-}
-std::shared_ptr<SharedFace> get_face(LetterReader& in) {
-    auto face = std::make_shared<SharedFace>();
-    face->owner = in.get<std::uint32_t>();
-    face->beyond = in.get<NetworkSite>();
-    for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
-        const auto line = in.get<shared::SharedId>();
-        const auto image = in.get<shared::Image>();
-        face->border.push_back({line, image, in.get<bool>()});
-    }
-    face->points = get_points(in);
-    face->triangles = in.list<Triangle>();
-    face->normals = in.list<Vec3>();
-    face->corner_normals = in.list<Triangle>();
-    face->across = in.list<MeshSide>();
-    return face;
-}
+void put(Letter& letter, const SharedVertex& vertex);
+void put(Letter& letter, const SharedFace& face);
 
 template <class T>
 void put_all(Letter& letter, const std::vector<std::shared_ptr<T>>& all) {
@@ -110,6 +63,46 @@ template <class T>
 void get_all(LetterReader& in, std::shared_ptr<T> (*get)(LetterReader&),
              std::vector<std::shared_ptr<T>>& all) {
     for (auto left = in.get<std::uint64_t>(); left > 0; --left) all.push_back(get(in));
+}
+
+void put(Letter& letter, const SharedVertex& vertex) {
+    put(letter, vertex.point);
+    letter.put(vertex.sites);
+    letter.put(vertex.error);
+    letter.put(vertex.is_touching);
+    put_all(letter, vertex.lines);
+}
+std::shared_ptr<SharedVertex> get_vertex(LetterReader& in) {
+    auto vertex = std::make_shared<SharedVertex>();
+    vertex->point = get_point(in);
+    vertex->sites = in.list<NetworkSite>();
+    vertex->error = in.get<double>();
+    vertex->is_touching = in.get<bool>();
+    get_all(in, get_line, vertex->lines);
+    return vertex;
+}
+
+void put(Letter& letter, const SharedFace& face) {
+    letter.put(face.owner);
+    letter.put(face.beyond);
+    letter.put(face.border);
+    put(letter, face.points);
+    letter.put(face.triangles);
+    letter.put(face.normals);
+    letter.put(face.corner_normals);
+    letter.put(face.across);
+}
+std::shared_ptr<SharedFace> get_face(LetterReader& in) {
+    auto face = std::make_shared<SharedFace>();
+    face->owner = in.get<std::uint32_t>();
+    face->beyond = in.get<NetworkSite>();
+    face->border = in.list<shared::BorderLine>();
+    face->points = get_points(in);
+    face->triangles = in.list<Triangle>();
+    face->normals = in.list<Vec3>();
+    face->corner_normals = in.list<Triangle>();
+    face->across = in.list<MeshSide>();
+    return face;
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ private:
         });
     }
 
-    // Those with a cell of faces that an object meets, or that meet it: both come to know it.
+    // An object and those that its cell meets, or that meet it, come to know each other, if they have cells
+    // with faces.
     void find_neighbors() {
         std::vector<Letter> to(ranks_.size());
         const auto tell = [&](std::uint32_t own, std::uint32_t other) {

@@ -16,7 +16,7 @@
 
 namespace vcell::mpi {
 
-/// Of the own objects, in their order.
+/// Both lists have the own objects in their order.
 struct MeshedCells {
     std::vector<DiagramCell> cells;
     std::vector<std::optional<LabelledMesh>> meshes;  ///< none where there is no cell, or it has no faces

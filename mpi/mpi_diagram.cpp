@@ -111,13 +111,7 @@ MpiDiagram::MpiDiagram(CLI::App& app) : command_(*app.add_subcommand("diagram", 
         .add_option("-o,--output", output_,
                     "all cells' boundaries, .vtkhdf, for ParaView: triangles with cell, neighbor and volume")
         ->type_name("FILE");
-    command_
-        .add_option(
-            "--chord", chord_,
-            "meshes: largest distance of a triangle side from the surface, as a part of the cell's diagonal")
-        ->check(part_complaint)
-        ->type_name("PART%")
-        ->capture_default_str();
+    chord_.add_to(command_);
     command_.add_option("--statistics", statistics_, "table of what each process asked, sent and took")
         ->type_name("FILE");
     scene_.add_to(command_);
@@ -173,7 +167,7 @@ Status MpiDiagram::run(Ranks& ranks) const {
 
     MeshedCells found;
     if (grid_file)
-        found = meshed_cells(ranks, parts, around, to_chord(chord_)->value, threads);
+        found = meshed_cells(ranks, parts, around, chord_.part(), threads);
     else
         found.cells = measured_cells(ranks, parts, around, threads);
     took.cells = clock.seconds();

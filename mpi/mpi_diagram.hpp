@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "../apps/chord_argument.hpp"
 #include "../apps/diagram_scene_arguments.hpp"
 #include "../apps/threads_argument.hpp"
 #include "ordered.hpp"
@@ -27,7 +28,7 @@ private:
     CLI::App& command_;
     DiagramSceneArguments scene_;
     std::string cells_, contacts_, output_, statistics_;
-    std::string chord_ = "0.2%";
+    ChordArgument chord_;
     ThreadsArgument threads_{"1"};
 };
 

@@ -74,8 +74,8 @@ private:
 /// Cells that have nothing in common may come in any order.
 class ScatteredMeshes {
 public:
-    /// Of a diagram of so many objects, some of which are `decided`, and all that are no balls. Pre: chord >
-    /// 0.
+    /// The diagram has so many objects; `decided` are some of them, all that are no balls among these. Pre:
+    /// chord > 0.
     ScatteredMeshes(const whole::DecidedDiagram& decided, std::size_t objects, double chord = 0.002);
     ~ScatteredMeshes();
     ScatteredMeshes(const ScatteredMeshes&) = delete;
@@ -87,7 +87,8 @@ public:
     std::vector<CellMesh> add(std::uint32_t object, std::span<const Cell> cells);
     /// What the last add() has left for the objects that meet in the cell, and for those that meet it.
     shared::Additions take_additions();
-    /// As if the cells had been added here. Pre: that of add().
+    /// Takes over additions that were taken from another one, as if their cell had been added here. Pre: that
+    /// of add().
     void learn(const shared::Additions& additions);
 
 private:

@@ -29,7 +29,7 @@ public:
 
     /// After the last cell: the chord that fits, or the last one.
     double chord() const { return levels_.front().chord; }
-    /// With that chord, unless it has been given up.
+    /// How many there are with that chord, unless it has been given up.
     std::size_t triangles() const { return levels_.front().triangles; }
 
 private:

@@ -37,7 +37,7 @@ struct MeshOptions {
     double most_of_own = std::numeric_limits<double>::infinity();
 };
 
-/// With the largest chord, too, there are more triangles than were asked for.
+/// More triangles are needed than were asked for, however large the chord is.
 struct TooManyTriangles : std::invalid_argument {
     TooManyTriangles(std::size_t most, std::size_t there_are);
 };

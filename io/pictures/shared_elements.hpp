@@ -148,8 +148,8 @@ struct Additions {
 /// in the order of their objects.
 class Store {
 public:
-    /// Of a scene of so many objects. The lattice is none where the box does not repeat; `part_ends`: where
-    /// the parts of tubes' cells end.
+    /// The scene has so many objects; its lattice is none where the box does not repeat, and `part_ends`
+    /// tells where the parts of tubes' cells end.
     Store(std::optional<whole::Lattice> lattice,
           std::unordered_map<std::uint32_t, std::vector<Plane>> part_ends, std::size_t objects)
         : lattice_(std::move(lattice)), part_ends_(std::move(part_ends)), has_come_(objects, false) {}
@@ -213,14 +213,14 @@ public:
 
     /// From now on additions are noted.
     void note_additions() { is_noting_ = true; }
-    /// Those since the last call.
+    /// Returns what was noted since the last call.
     Additions take_additions() {
         std::ranges::sort(added_.vertices, {}, [](const auto& v) { return v->point.id; });
         added_.vertices.erase(std::ranges::unique(added_.vertices).begin(), added_.vertices.end());
         added_.object = current_;
         return std::exchange(added_, {});
     }
-    /// What a store elsewhere had for additions. They are this store's from now on.
+    /// Takes over what a store elsewhere has noted; it is this store's from now on.
     void learn(const Additions& additions) {
         begin(additions.object);
         const bool was_noting = std::exchange(is_noting_, false);

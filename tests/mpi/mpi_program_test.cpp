@@ -153,7 +153,7 @@ TEST_CASE("vcell-mpi: a grid is one file of the same bytes, and its triangles en
     CHECK(sum == doctest::Approx(1.2 * 1.2 * 1.2));
 }
 
-// In which order ranks draw cells is another one for each number of them.
+// Ranks draw cells in another order for each number of them.
 TEST_CASE("vcell-mpi: meshes are those of vcell, triangle for triangle") {
     std::mt19937_64 rng(vcell::test_seed());
     const Workplace work;
