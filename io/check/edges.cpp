@@ -61,7 +61,7 @@ private:
         if (!bound) return;
         const auto nearer = certify_no_rivals(edge_, bound->distance, subject_, options_, certificate_);
         if (!nearer) return;
-        if (e.error > most_stated(bound->distance, bound->rounded) && e.error > 4 * ends_error(e) &&
+        if (e.error > most_stated(bound->distance, bound->rounded) && e.error > times_ends * ends_error(e) &&
             e.error > most_stated(trims_off(i)))
             return certificate_.refute(edge_.path + ".error",
                                        fmt::format("is {:.3g}, the curve is within {:.3g} of the true one",
@@ -95,7 +95,9 @@ private:
         return true;
     }
 
-    /// The true arc ends in the true vertices, wherever within their errors these are.
+    /// The true arc ends in the true vertices, wherever within their errors these are: so many times that is
+    /// granted to an edge.
+    static constexpr double times_ends = 4;
     double ends_error(const CellEdge& e) const {
         double most = 0;
         for (const std::uint32_t v : e.vertices) most = std::max(most, cell_.vertices[v].error);

@@ -289,24 +289,30 @@ CellMesh draw(Store& store, std::uint32_t object, const Cell& cell, double chord
 
 }  // namespace shared
 
-// ---- All cells in a row
-
 namespace {
 
-std::unique_ptr<shared::Store> store_of(const DiagramScene& scene) {
+// number(i) is what the diagram calls the scene's object i; the box's lattice is asked for where it repeats.
+template <class Number, class LatticeOf>
+std::unique_ptr<shared::Store> store_of(const DiagramScene& scene, std::size_t objects, const Number& number,
+                                        const LatticeOf& lattice_of) {
     std::optional<whole::Lattice> lattice;
-    if (scene.is_periodic()) lattice.emplace(whole::DecidedDiagram(scene).balls().lattice());
+    if (scene.is_periodic()) lattice.emplace(lattice_of());
     std::unordered_map<std::uint32_t, std::vector<Plane>> ends;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
         if (auto planes = part_ends(scene.objects[i], scene.box); !planes.empty())
-            ends[i] = std::move(planes);
-    return std::make_unique<shared::Store>(std::move(lattice), std::move(ends), scene.objects.size());
+            ends[number(i)] = std::move(planes);
+    return std::make_unique<shared::Store>(std::move(lattice), std::move(ends), objects);
 }
 
 }  // namespace
 
+// ---- All cells in a row
+
 ConformingMeshes::ConformingMeshes(const DiagramScene& scene, double chord)
-    : store_(store_of(scene)), chord_(chord) {}
+    : store_(store_of(
+          scene, scene.objects.size(), [](std::uint32_t i) { return i; },
+          [&] { return whole::DecidedDiagram(scene).balls().lattice(); })),
+      chord_(chord) {}
 ConformingMeshes::~ConformingMeshes() = default;
 
 CellMesh ConformingMeshes::draw(std::uint32_t object, const Cell& cell,
@@ -332,23 +338,11 @@ std::size_t ConformingMeshes::drawn_again() const { return store_->drawn_again; 
 
 // ---- Cells here and there
 
-namespace {
-
-std::unique_ptr<shared::Store> store_of(const whole::DecidedDiagram& decided, std::size_t objects) {
-    const DiagramScene& scene = decided.scene();
-    std::optional<whole::Lattice> lattice;
-    if (scene.is_periodic()) lattice.emplace(decided.balls().lattice());
-    std::unordered_map<std::uint32_t, std::vector<Plane>> ends;
-    for (const std::uint32_t i : decided.others())
-        if (auto planes = part_ends(scene.objects[i], scene.box); !planes.empty())
-            ends[decided.number(i)] = std::move(planes);
-    return std::make_unique<shared::Store>(std::move(lattice), std::move(ends), objects);
-}
-
-}  // namespace
-
 ScatteredMeshes::ScatteredMeshes(const whole::DecidedDiagram& decided, std::size_t objects, double chord)
-    : store_(store_of(decided, objects)), chord_(chord) {
+    : store_(store_of(
+          decided.scene(), objects, [&](std::uint32_t i) { return decided.number(i); },
+          [&] { return decided.balls().lattice(); })),
+      chord_(chord) {
     store_->note_additions();
 }
 ScatteredMeshes::~ScatteredMeshes() = default;
@@ -372,8 +366,7 @@ std::vector<std::uint32_t> objects_met(const Cell& cell) {
     std::vector<std::uint32_t> objects;
     const auto add = [&](const auto& sites) {
         for (const Site& s : sites)
-            if (const Site met = site_in_diagram(cell, side_at_end(cell.scene, s)).site; met.is_object())
-                objects.push_back(met.index);
+            if (const Site met = shared::site_of(cell, s).site; met.is_object()) objects.push_back(met.index);
     };
     for (const CellVertex& v : cell.vertices) add(v.sites);
     for (const CellEdge& e : cell.edges) {

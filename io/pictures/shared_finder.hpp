@@ -10,6 +10,11 @@
 
 namespace vcell::shared {
 
+// Where a tube ends at a side of the box, other cells have that.
+inline NetworkSite site_of(const Cell& cell, const Site& site) {
+    return site_in_diagram(cell, side_at_end(cell.scene, site));
+}
+
 class Finder {
 protected:
     /// `whole` is the cell's. Vertices that are not stored are added; lines and faces are not looked for yet.
@@ -40,10 +45,7 @@ protected:
 
     // ---- Sites
 
-    // Where a tube ends at a side of the box, other cells have that.
-    NetworkSite site_of(const Site& site) const {
-        return site_in_diagram(cell_, side_at_end(cell_.scene, site));
-    }
+    NetworkSite site_of(const Site& site) const { return shared::site_of(cell_, site); }
     template <class Sites>
     MeetingSites meeting(const Sites& sites) {
         MeetingSites result{own_};
