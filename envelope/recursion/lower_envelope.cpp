@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "../../core/errors.hpp"
+#include "../../primitives/forms/circle_ties.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
 #include "../proofs/side_labelling.hpp"
@@ -150,13 +151,54 @@ MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion&
     return EnvelopeBuilder(family, region, options).over_region();
 }
 
-MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
-    if (family.is_all_circular() && options.incremental)
-        if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
+namespace {
+
+MinimizationDiagram by_pieces_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
     const double reach = chart_reach(family);
     return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options,
                            sphere_sizes)
         .without_rim();
+}
+
+// Wherever both forms that one lies between are the lowest, it is so, too.
+void add_to_labels(const std::vector<CircleTie>& ties, std::vector<FormId>& labels,
+                   std::vector<std::uint32_t>& offsets) {
+    std::vector<FormId> all, label;
+    std::vector<std::uint32_t> begins{0};
+    const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
+    for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+        label.assign(labels.begin() + offsets[i], labels.begin() + offsets[i + 1]);
+        for (std::size_t before = 0; before != label.size();) {
+            before = label.size();
+            for (const CircleTie& tie : ties)
+                if (has(tie.between[0]) && has(tie.between[1]) && !has(tie.form)) label.push_back(tie.form);
+        }
+        std::ranges::sort(label);
+        all.insert(all.end(), label.begin(), label.end());
+        begins.push_back(static_cast<std::uint32_t>(all.size()));
+    }
+    labels = std::move(all);
+    offsets = std::move(begins);
+}
+
+}  // namespace
+
+MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
+    if (family.is_all_circular()) {
+        if (options.incremental)
+            if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
+        return by_pieces_on_sphere(family, options);
+    }
+    const std::vector<CircleTie> ties = find_circle_ties(family);
+    if (ties.empty()) return by_pieces_on_sphere(family, options);
+    FormFamily others = family;
+    for (const CircleTie& tie : ties)
+        if (std::ranges::none_of(others.hidden, [&](const auto& h) { return h.form == tie.form; }))
+            others.hide(tie.form);
+    MinimizationDiagram diagram = by_pieces_on_sphere(others, options);
+    add_to_labels(ties, diagram.vertex_labels_, diagram.vertex_offsets_);
+    add_to_labels(ties, diagram.edge_labels_, diagram.edge_offsets_);
+    return diagram;
 }
 
 namespace {

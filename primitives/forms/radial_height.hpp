@@ -26,6 +26,7 @@
 #include <variant>
 
 #include "../../core/numbers/sign.hpp"
+#include "../../core/numbers/wide.hpp"
 #include "form_family.hpp"
 #include "function_jet.hpp"
 #include "linear_ball.hpp"

@@ -238,6 +238,41 @@ TEST_CASE("ties: parallel tubes touch the edge of two others around a ball in an
     }
 }
 
+// What meets where, whatever its order.
+auto structure_of(const Cell& cell) {
+    std::multiset<std::set<Site>> vertices, edges, faces;
+    for (const CellVertex& v : cell.vertices) vertices.insert({v.sites.begin(), v.sites.end()});
+    for (const CellEdge& e : cell.edges) {
+        std::set<Site> sites(e.sites.begin(), e.sites.end());
+        sites.insert(e.extra_sites.begin(), e.extra_sites.end());
+        edges.insert(sites);
+    }
+    for (const CellFace& f : cell.faces) faces.insert({f.site});
+    return std::array{vertices, edges, faces};
+}
+
+TEST_CASE("ties: around a ball others tie along circles with a tube in the scene as they do without") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> whole(-2, 2);
+    int ties = 0;
+    for (int i = 0; i < 40 * rounds(); ++i) {
+        CAPTURE(i);
+        std::vector<Object> balls;
+        std::set<std::array<int, 3>> places{{0, 0, 0}};
+        while (balls.size() < 9) {
+            const std::array<int, 3> p{whole(rng), whole(rng), whole(rng)};
+            if (places.insert(p).second) balls.push_back(Sphere{Vec3(p[0], p[1], p[2]), 0.25});
+        }
+        Scene scene = scene_around(Sphere{Vec3::Zero(), 0.25}, 2, balls);
+        const Cell alone = check_decided_around(scene);
+        // Out of reach, but the forms are no longer all circular.
+        scene.objects.push_back(Cylinder{Vec3(9, 8, 7), Vec3(1, -2, 3), 0.25});
+        CHECK(structure_of(check_decided_around(scene)) == structure_of(alone));
+        for (const CellEdge& e : alone.edges) ties += !e.extra_sites.empty();
+    }
+    CHECK(ties > 5 * rounds());
+}
+
 TEST_CASE(
     "ties: tubes all but across a tube tie over a point of its axis, where a rectangle of them is centred") {
     const double h = std::sqrt(0.75);

@@ -1,0 +1,75 @@
+// Ties along circles, against all triples of functions of small integers.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "../../primitives/forms/circle_ties.hpp"
+#include "../test_support.hpp"
+
+namespace vcell::circle_ties_test {
+
+using Numbers = std::array<int, 5>;  // K, A, B, C and the denominator
+
+FormFamily family_of(const std::vector<Numbers>& numbers) {
+    FormFamily family;
+    for (const auto& [K, A, B, C, W] : numbers)
+        family.forms.push_back(
+            {.k = double(K), .a = double(A), .b = double(B), .e = double(C), .w = double(W)});
+    family.exact = [=](FormId f) {
+        const auto& [K, A, B, C, W] = numbers[f.value];
+        return ExactForm{Exact(K), Exact(A), Exact(B), Exact(C), Exact(W)};
+    };
+    return family;
+}
+
+// Is c = (1 - m) f + m g with 0 < m < 1? By the numbers over all three denominators.
+bool is_between(const Numbers& c, const Numbers& f, const Numbers& g) {
+    const auto over = [&](const Numbers& h, int k) { return h[k] * (c[4] * f[4] * g[4] / h[4]); };
+    int numerator = 0, denominator = 0;
+    for (int k = 0; k < 4; ++k) {
+        const int part = over(c, k) - over(f, k), all = over(g, k) - over(f, k);
+        if (all != 0 && denominator == 0) numerator = part, denominator = all;
+    }
+    if (denominator < 0) numerator = -numerator, denominator = -denominator;
+    if (!(0 < numerator && numerator < denominator)) return false;
+    for (int k = 0; k < 4; ++k)
+        if ((over(c, k) - over(f, k)) * denominator != (over(g, k) - over(f, k)) * numerator) return false;
+    return true;
+}
+
+TEST_CASE("circle ties: are all forms that lie between two others") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_int_distribution<int> whole(-2, 2), positive(1, 2);
+    std::size_t found = 0;
+    for (int i = 0; i < 200 * rounds(); ++i) {
+        CAPTURE(i);
+        std::vector<Numbers> numbers;
+        while (numbers.size() < 24) {
+            const Numbers n{whole(rng) / 2, whole(rng), whole(rng), whole(rng), positive(rng)};
+            const auto is_one = [&](const Numbers& m) {
+                for (int k = 0; k < 4; ++k)
+                    if (m[k] * n[4] != n[k] * m[4]) return false;
+                return true;
+            };
+            if (std::ranges::none_of(numbers, is_one)) numbers.push_back(n);
+        }
+        std::set<std::array<std::uint32_t, 3>> expected, ties;
+        for (std::uint32_t c = 0; c < numbers.size(); ++c)
+            for (std::uint32_t f = 0; f < numbers.size(); ++f)
+                for (std::uint32_t g = f + 1; g < numbers.size(); ++g)
+                    if (c != f && c != g && is_between(numbers[c], numbers[f], numbers[g]))
+                        expected.insert({c, f, g});
+        for (const CircleTie& tie : find_circle_ties(family_of(numbers)))
+            ties.insert({tie.form.value, tie.between[0].value, tie.between[1].value});
+        CHECK(ties == expected);
+        found += ties.size();
+    }
+    CHECK(found > 100u * static_cast<std::size_t>(rounds()));
+}
+
+}  // namespace vcell::circle_ties_test
