@@ -11,7 +11,7 @@ namespace {
 
 using Point = Eigen::Vector4d;
 
-constexpr std::size_t most_compared = 128;
+constexpr std::size_t most_compared = 32;
 
 // (b, e) of the form, about.
 Point point(const CircularForm& f) { return 0.5 / f.w * Point(f.a, f.b, f.e - f.k, f.e + f.k); }

@@ -21,9 +21,8 @@ struct CircleTie {
     std::array<FormId, 2> between;  ///< `form` is a mean of these, with weights greater than zero
 };
 
-/// Ties of that kind among those circular forms that may be the lowest anywhere, and of these among the 128
-/// that come lowest; exact. Where coefficients agree in all but their last digits some may be left out. Pre:
-/// the family is a sphere's.
+/// Ties of that kind among the 32 circular forms that come lowest, exact. Where coefficients agree in all but
+/// their last digits some may be left out. Pre: the family is a sphere's.
 std::vector<CircleTie> find_circle_ties(const FormFamily& family);
 
 }  // namespace vcell

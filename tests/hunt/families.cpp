@@ -230,6 +230,17 @@ Scene integers(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
+// Bisectors of balls of the base's radius are planes of small integers: some run through edges of the box,
+// and where four centres are a rectangle three tie along a curve. A tube makes the other heights no planes.
+Scene equals(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind, 2);
+    const double radius = 0.25 * b.count(0, 1);
+    b.put_base(radius, true);
+    b.add_some(b.count(2, 6), [&] { return Sphere{b.integers(2), radius}; });
+    b.add_some(b.count(1, 2), [&] { return Cylinder{b.integers(2), b.integer_direction(1), radius}; });
+    return b.done();
+}
+
 // Cubic, body- or face-centred, each coordinate exact or one unit in the last place off.
 Scene lattice(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind, 2.5);
@@ -516,6 +527,8 @@ constexpr Family all[] = {
     {"tubes", "random skew tubes and lines", tubes},
     {"fibres", "tubes of one radius, axes 1e-6 to 1 from each other: they cut each other", fibres},
     {"integers", "planes, points, lines, balls and tubes of small integers", integers},
+    {"equals", "balls and tubes of the base's radius, of small integers: planes through edges of the box",
+     equals},
     {"lattice", "balls of a lattice, exact or one unit in the last place off", lattice},
     {"bundle", "equal tubes, square, hexagonal or woven, turned and perturbed by 1e-15 to 1e-3", bundle},
     {"twins", "each object twice, and the base, too, 1e-16 to 1e-3 apart", twins},

@@ -76,6 +76,7 @@ TEST_CASE("certify: proves hostile cells, and finds no error in them larger than
                              "control_point_below",
                              "leaning_tube",
                              "bundle_of_lines",
+                             "box_edge_in_bisector",
                              "scaled_ball",
                              "far_corners",
                              "line_beside_plane",
