@@ -48,8 +48,7 @@ Scene scaled(Scene s, double unit) {
     };
     scale(s.base);
     for (Object& o : s.objects) scale(o);
-    s.box.min *= unit;
-    s.box.max *= unit;
+    for (Vec3* corner : {&s.box.min, &s.box.max}) *corner *= unit;
     if (s.tolerance) *s.tolerance *= unit;
     return s;
 }
