@@ -13,7 +13,7 @@ using Point = Eigen::Vector4d;
 
 constexpr std::size_t most_compared = 32;
 
-// (b, e) of the form, about.
+// Where the form is in that space, but for rounding.
 Point point(const CircularForm& f) { return 0.5 / f.w * Point(f.a, f.b, f.e - f.k, f.e + f.k); }
 
 double lowest(const Point& p) { return p[3] - p.head<3>().norm(); }
@@ -23,7 +23,7 @@ struct Place {
     Point at;
 };
 
-// Those that come lowest.
+// The forms that are compared: those that come lowest.
 std::vector<Place> candidates(const FormFamily& family) {
     std::vector<Place> places;
     places.reserve(family.forms.size());
@@ -58,7 +58,7 @@ bool is_between(const FormFamily& family, FormId c, FormId f, FormId g) {
 }  // namespace
 
 std::vector<CircleTie> find_circle_ties(const FormFamily& family) {
-    // Beyond what rounding does to directions between points that are not next to each other.
+    // Rounding does less than that to directions between points that are not next to each other.
     constexpr double apart = 0x1p-20, alike = 0x1p-28;
     const Point somewhere(0.5377, 0.2913, 0.7138, 0.3391);  // tells directions apart that are not alike
     const std::vector<Place> places = candidates(family);

@@ -1,11 +1,11 @@
 /// Over a sphere: which balls and planes tie with two others all along a circle, and are nowhere nearer than
 /// both.
 ///
-/// In terms of the unit normal u a circular form is b.u + e (sphere_diagram.hpp): a point (b, e) of space of
-/// four dimensions. Three that tie all along a circle differ by multiples of one function, so they lie on a
-/// line there, and the one between the others is their mean with positive weights: at each u it is no lower
-/// than the lower one of them, and as low only where all three tie. So it is with a plane through an edge of
-/// the box that is as far from the base as a ball, or with the centres of four balls of one radius, the base
+/// In terms of the unit normal u a circular form is b.u + e: a point (b, e) of a space of four dimensions.
+/// Three that tie all along a circle differ by multiples of one function, so they lie on a line there, and
+/// the one between the others is their mean with positive weights: at each u it is no lower than the lower
+/// one of them, and as low only where all three tie. So it is with two sides of the box and a ball whose
+/// bisector runs through the edge between them, and with the centres of four balls of one radius, the base
 /// among them, at the corners of a rectangle.
 #pragma once
 
