@@ -29,8 +29,8 @@ struct FormFamily : CircularFamily {
     AxialTips tips;                       ///< over a cylinder, in that unit
 
     /// Where in the chart forms are nowhere lower than all others, those that are there as low included: over
-    /// a cylinder, y in that unit, about ties (RingTie, PassingTie); elsewhere sides of the box that are so
-    /// everywhere.
+    /// a cylinder, y in that unit, about ties (RingTie, PassingTie); elsewhere sides of the box and, over a
+    /// sphere, what ties along circles (CircleTie), which are so everywhere.
     struct Hidden {
         FormId form;
         std::array<double, 2> x, y;
