@@ -75,10 +75,10 @@ public:
     }
     // Slabs of the box that no term contains. What faces they hold is not known: those that do not run along
     // a slab have about its circumference times its width, and more where they slant.
-    void leave_out(double width, double diagonal) {
-        if (width == 0) return;
-        volume_.error += width * 0.25 * std::numbers::pi * diagonal * diagonal;
-        const double area = width * (std::numbers::pi * diagonal + slanting_);
+    void leave_out(const AxisParts::LeftOut& what, double diagonal) {
+        if (what.width == 0 && what.volume == 0 && what.area == 0) return;
+        volume_.error += what.width * 0.25 * std::numbers::pi * diagonal * diagonal + what.volume;
+        const double area = what.width * (std::numbers::pi * diagonal + slanting_) + what.area;
         area_.error += area;
         exposed_.error += area;
         left_out_ += area;
@@ -312,7 +312,7 @@ CompleteMeasures of_sphere(const DecidedScene& decided, const Sphere& base) {
         part.box = room;
         return sphere_base_problem(part, base, decided.unit);
     });
-    sum.leave_out(sides.moved, scene.box.diagonal());
+    sum.leave_out({sides.moved}, scene.box.diagonal());
     return sum.result(decided.unit);
 }
 
@@ -330,9 +330,8 @@ public:
           sum_(scene_) {}
 
     CompleteMeasures operator()() {
-        const std::array<double, 2> range = AxisParts::range(box_, frame_);
-        move_sides(range);
-        const AxisParts axis(box_, frame_, AxisParts::within_vessels(scene_, base_, frame_, range));
+        move_sides(AxisParts::range(box_, frame_));
+        const AxisParts axis(scene_, base_, box_, frame_);
         for (const std::array<double, 2>& part : axis.parts()) add(axis, part);
         sum_.leave_out(left_out_, diagonal_);
         return sum_.result(unit_);
@@ -351,13 +350,13 @@ private:
             const double step = least_ - std::min(low, high);
             double& bound = (side.index % 2 == 0 ? box_.min : box_.max)[side.index / 2];
             bound += side.index % 2 == 0 ? -step : step;
-            left_out_ += step;
+            left_out_.width += step;
         }
     }
 
     void add(const AxisParts& axis, const std::array<double, 2>& part) {
         left_out_ += axis.on_clear_stretch(
-            part, diagonal_, [&](const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) {
+            part, [&](const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) {
                 Sum sum = sum_;
                 add(sum, beyond, stretch);
                 sum_ = std::move(sum);
@@ -379,7 +378,7 @@ private:
     const double unit_, diagonal_, least_;
     const BaseFrame frame_;
     Box box_;
-    double left_out_ = 0;
+    AxisParts::LeftOut left_out_;
     Sum sum_;
 };
 

@@ -28,8 +28,14 @@ public:
           tolerance_(scene_.fit_tolerance()),
           frame_(cylinder_frame(scene_, base_)),
           sides_(canonical_box(scene_.box, frame_)),
-          axis_(scene_.box, frame_,
-                AxisParts::within_vessels(scene_, base_, frame_, AxisParts::range(scene_.box, frame_))) {}
+          axis_(scene_, base_, scene_.box, frame_) {
+        // A part of the needles beside what holds the base.
+        constexpr double of_needle = 0x1p-10;
+        if (is_cut()) tolerance_ = std::min(tolerance_, of_needle * AxisParts::beside_needle * diagonal_);
+    }
+
+    // Is the axis left out in places, as what is about them holds it?
+    bool is_cut() const { return axis_.are_any_held(); }
 
     CompleteTube operator()() {
         for (const std::array<double, 2>& part : axis_.parts()) add(part);
@@ -41,7 +47,7 @@ public:
 private:
     void add(const std::array<double, 2>& part) {
         left_out_ += axis_.on_clear_stretch(
-            part, diagonal_, [&](const auto& beyond, const auto& stretch) { add_part(beyond, stretch); });
+            part, [&](const auto& beyond, const auto& stretch) { add_part(beyond, stretch); });
     }
 
     void add_part(const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) {
@@ -78,7 +84,7 @@ private:
         constexpr double certain = 0x1p-40;
         for (const BoxSide& side : sides_)
             for (const double y : stretch)
-                if (!(std::abs(side.k - side.m.y() * y) > certain * diagonal_))
+                if (!AxisParts::is_across(side) && !(std::abs(side.k - side.m.y() * y) > certain * diagonal_))
                     throw UndecidedError("the base's axis runs along side " +
                                          to_string(Site::box_side(side.index)) +
                                          " of the box, too near to it");
@@ -158,9 +164,10 @@ private:
     // holds.
     void finish_measures() {
         Measures& m = measures_;
-        m.volume_error += left_out_ * 0.25 * std::numbers::pi * diagonal_ * diagonal_;
-        m.area_error += left_out_ * std::numbers::pi * diagonal_;
-        m.box_area_error += left_out_ * std::numbers::pi * diagonal_;
+        m.volume_error +=
+            left_out_.width * 0.25 * std::numbers::pi * diagonal_ * diagonal_ + left_out_.volume;
+        m.area_error += left_out_.width * std::numbers::pi * diagonal_ + left_out_.area;
+        m.box_area_error += left_out_.width * std::numbers::pi * diagonal_ + left_out_.area;
         m.is_estimated = true;
         m.touches_box = true;
         m.body_volume = m.body_volume_error = m.base_area = m.base_area_error = 0;
@@ -198,22 +205,26 @@ private:
     const Cylinder base_;
     const double unit_;
     const bool with_measures_;
-    const double diagonal_, tolerance_;
+    const double diagonal_;
+    double tolerance_;  // of fits
     const BaseFrame frame_;
     const std::array<BoxSide, 6> sides_;
     const AxisParts axis_;
     CompleteTube result_;
     Measures measures_ = zero();
     std::uint32_t seams_ = 0;
-    double left_out_ = 0;
+    AxisParts::LeftOut left_out_;
 };
 
 }  // namespace
 
-std::optional<CompleteTube> lift_complete_tube(const DecidedScene& decided, bool with_measures) {
-    const std::optional<Cylinder> base = oblique_tube(decided.scene);
-    if (!base) return std::nullopt;
-    CompleteTube tube = Assembly(decided, *base, with_measures)();
+std::optional<CompleteTube> lift_complete_tube(const DecidedScene& decided, bool with_measures,
+                                               bool is_asked) {
+    const auto* base = std::get_if<Cylinder>(&decided.scene.base);
+    if (base == nullptr) return std::nullopt;
+    Assembly assembly(decided, *base, with_measures);
+    if (!assembly.is_cut() && !(is_asked && oblique_tube(decided.scene))) return std::nullopt;
+    CompleteTube tube = assembly();
     if (tube.lifted.cell.faces.empty())
         throw InputError(InputError::Kind::EmptyBox, InputError::no_object, "box",
                          "contains nothing that is nearest to the base cylinder (base.cylinder)");

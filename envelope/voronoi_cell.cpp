@@ -180,12 +180,12 @@ void set(Report& report, const EnvelopeWork& work) {
     report.pieces = work.pieces;
 }
 
-// Of an oblique tube, if it is one.
+// Of an oblique tube, or one that others hold, if it is one.
 std::optional<Cell> complete_tube_cell(const Scene& scene, const CellOptions& options) {
     Stopwatch watch;
     validate(scene);
     DecidedScene decided = decide(scene);
-    std::optional<CompleteTube> tube = lift_complete_tube(decided, options.measure);
+    std::optional<CompleteTube> tube = lift_complete_tube(decided, options.measure, options.complete);
     if (!tube) return std::nullopt;
     Cell cell = moved_back(std::move(tube->lifted), std::move(decided), scene,
                            {tube->moved, tube->moved_apart, tube->unit_of_parameters}, options);
@@ -241,10 +241,16 @@ Cell voronoi_cell(const Scene& scene, const CellOptions& options) {
     return in_ieee_arithmetic("voronoi_cell()", [&] {
         if (options.complete)
             if (auto cell = complete_tube_cell(scene, options)) return *std::move(cell);
-        return std::holds_alternative<Plane>(scene.base)
-                   ? cell_over<PlaneBaseProblem>(scene, options, {plane_problem, with_floor, lift_from_floor})
-                   : cell_over<RadialBaseProblem>(scene, options,
-                                                  {radial_problem, without_floor, lift_from_body});
+        if (std::holds_alternative<Plane>(scene.base))
+            return cell_over<PlaneBaseProblem>(scene, options, {plane_problem, with_floor, lift_from_floor});
+        try {
+            return cell_over<RadialBaseProblem>(scene, options,
+                                                {radial_problem, without_floor, lift_from_body});
+        } catch (const InputError& e) {
+            if (options.complete || e.kind != InputError::Kind::TouchesBase) throw;
+            if (auto held = complete_tube_cell(scene, options)) return *std::move(held);
+            throw;
+        }
     });
 }
 

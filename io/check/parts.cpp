@@ -91,6 +91,12 @@ private:
         const double off = std::max(from_axis(part.ends[0]), from_axis(part.ends[1])) * (1 + 0x1p-50);
         for (std::uint32_t s = 0; s < 6; ++s) {
             const double first = inside(s, part.ends[0]), last = inside(s, part.ends[1]);
+            if (is_across(s)) {
+                if (std::min(first, last) < -off)
+                    certificate_.refute(where + ".ends",
+                                        fmt::format("are beyond {}", title(Site::box_side(s))));
+                continue;
+            }
             if ((first < -off && last > off) || (first > off && last < -off))
                 return certificate_.refute(where + ".ends", fmt::format("the axis crosses {} between them",
                                                                         title(Site::box_side(s))));
@@ -106,6 +112,11 @@ private:
     double inside(std::uint32_t side, const Vec3& p) const {
         const auto axis = static_cast<Eigen::Index>(side / 2);
         return side % 2 != 0 ? cell_.scene.box.max[axis] - p[axis] : p[axis] - cell_.scene.box.min[axis];
+    }
+    /// Does the axis run straight into the side? Rays never do.
+    bool is_across(std::uint32_t side) const {
+        const Vec3& axis = std::get<Cylinder>(cell_.scene.base).axis;
+        return (axis.array() != 0).count() == 1 && axis[static_cast<Eigen::Index>(side / 2)] != 0;
     }
     double from_axis(const Vec3& p) const {
         const Vector<Interval> across =
@@ -130,7 +141,8 @@ private:
             highest = std::max(highest, y.upper());
         }
         cut_by_vessels(lowest, highest);
-        Interval wide(0.0);
+        double together = 0;
+        Interval volume(0.0);
         Interval from(lowest);
         for (std::size_t k = 0; k <= result_.parts.size(); ++k) {
             const Interval to =
@@ -143,10 +155,19 @@ private:
             if (is_between && !(slab.lower() > 0))
                 return certificate_.leave_open(part_path(k), "may begin before the one before it ends",
                                                slab.upper());
-            wide += Interval(std::max(0.0, slab.upper()));
+            for (const auto& [low, high] : left_out(from, to)) {
+                constexpr int sections = 16;  // in which less is enclosed
+                double last = low;
+                for (int i = 1; i <= sections; ++i) {
+                    const double next = i == sections ? high : low + (high - low) / sections * i;
+                    const Owned owned = owned_by_base({last, next});
+                    together += owned.width * (1 + 0x1p-50);
+                    volume += Interval(owned.volume);
+                    last = next;
+                }
+            }
             if (k < result_.parts.size()) from = along(result_.parts[k].ends[1]);
         }
-        const double together = wide.upper();
         // Thicker ones may hold what matters.
         constexpr double thin = 0x1p-14;
         if (!(together <= thin * box.diagonal()))
@@ -156,7 +177,7 @@ private:
                             together),
                 together);
         result_.width = together;
-        result_.left_out = (wide * section()).upper();
+        result_.left_out = volume.upper();
         const Vec3 size = box.max - box.min;
         const double share = result_.left_out / size.prod();
         certificate_.prove(
@@ -164,6 +185,105 @@ private:
             fmt::format("slabs between them are left out: together {:.3g} wide, at most {:.3g} of "
                         "the box, of which nothing is told",
                         together, share));
+    }
+
+    /// What lies between these two places along the axis but for what others hold.
+    std::vector<std::array<double, 2>> left_out(const Interval& from, const Interval& to) const {
+        std::vector<std::array<double, 2>> held, rest;
+        for (std::uint32_t i = 0; i < cell_.scene.objects.size(); ++i)
+            if (may_hold(i))
+                if (const auto stretch = held_by(i, from.upper(), to.lower())) held.push_back(*stretch);
+        std::ranges::sort(held);
+        double last = from.lower();
+        for (const auto& [low, high] : held) {
+            if (low > last) rest.push_back({last, low});
+            last = std::max(last, high);
+        }
+        if (to.upper() > last) rest.push_back({last, to.upper()});
+        return rest;
+    }
+    bool may_hold(std::uint32_t object) const {
+        const Object& o = cell_.scene.objects[object];
+        return cell_.scene.competes(object) &&
+               (std::holds_alternative<Sphere>(o) || std::holds_alternative<Cylinder>(o)) &&
+               space_.object(object).radius.lower() >= space_.base().radius.upper();
+    }
+
+    /// A bound on the volume that the base owns beside a stretch of its axis, and a slab that wide beside
+    /// which faces are about as large at most.
+    struct Owned {
+        double volume, width;
+    };
+    Owned owned_by_base(const std::array<double, 2>& stretch) const {
+        const Interval width = Interval(stretch[1]) - Interval(stretch[0]);
+        Owned least{(width * section()).upper(), width.upper()};
+        for (std::uint32_t i = 0; i < cell_.scene.objects.size(); ++i) {
+            if (!may_hold(i)) continue;
+            const auto owned = owned_beside(i, stretch);
+            if (!owned) continue;
+            least.volume = std::min(least.volume, owned->volume);
+            least.width = std::min(least.width, owned->width);
+        }
+        return least;
+    }
+
+    /// With m the way from the object's centre or axis, deep its radius less the base's, and u across the
+    /// base's axis: at the distance t from this a point is nearest to the base only where |m + t u| >= t +
+    /// deep, m + t u taken across the object's axis, which implies
+    ///
+    ///     2 t (deep - m.u) <= |m|^2 - deep^2:
+    ///
+    /// an ellipse with one focus on the axis, as long as m.u < deep for all u.
+    std::optional<Owned> owned_beside(std::uint32_t object, const std::array<double, 2>& stretch) const {
+        const Surface<Interval> other = space_.object(object);
+        const Interval deep = other.radius - space_.base().radius, y(stretch[0], stretch[1]);
+        if (!(deep.lower() > 0)) return std::nullopt;
+        const auto across = [](const Vector<Interval>& v, const Vector<Interval>& axis) {
+            return v - dot(v, axis) * axis;
+        };
+        Vector<Interval> m = space_.base().point + y * space_.base().direction - other.point;
+        if (other.kind == Surface<Interval>::Kind::cylinder) m = across(m, other.direction);
+        const Interval eccentricity2 = square(across(m, space_.base().direction)) / square(deep),
+                       rest = 1.0 - Interval(eccentricity2.upper());
+        if (!(rest.lower() > 0)) return std::nullopt;
+        const Interval power(std::max(0.0, (square(m) - square(deep)).upper())),
+            parameter = power / (2.0 * deep), width = Interval(stretch[1]) - Interval(stretch[0]),
+            most = 2.0 * parameter / rest;
+        return Owned{(width * pi() * square(parameter) / (rest * sqrt(rest))).upper(),
+                     (pi() * most * (width + most) / (2.0 * cell_.scene.box.diagonal())).upper()};
+    }
+
+    static Interval pi() { return {std::numbers::pi, std::nextafter(std::numbers::pi, 4)}; }
+
+    /// What of this stretch of the axis is as deep in a ball or tube as the base is wide: points beside it
+    /// are no nearer to the base. Distances along a line are convex: between two such places all are.
+    std::optional<std::array<double, 2>> held_by(std::uint32_t object, double from, double to) const {
+        const Surface<Interval> other = space_.object(object);
+        const auto depth = [&](double y) {
+            const Vector<Interval> p = space_.base().point + Interval(y) * space_.base().direction;
+            return other.distance(p) + space_.base().radius;
+        };
+        const auto is_held = [&](double y) { return depth(y).upper() < 0; };
+        constexpr int thirds = 100;
+        double low = from, high = to;
+        for (int k = 0; k < thirds && !is_held(0.5 * (low + high)); ++k) {
+            const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+            if (depth(a).mid() < depth(b).mid())
+                high = b;
+            else
+                low = a;
+        }
+        const double inside = 0.5 * (low + high);
+        if (!(from < to) || !is_held(inside)) return std::nullopt;
+        std::array<double, 2> stretch{from, to};
+        for (double& end : stretch) {
+            if (is_held(end)) continue;
+            double in = inside, out = end;
+            for (double middle = 0.5 * (in + out); middle != in && middle != out; middle = 0.5 * (in + out))
+                (is_held(middle) ? in : out) = middle;
+            end = in;
+        }
+        return stretch;
     }
 
     /// Beyond where the axis is as far from a vessel's wall as the base is wide, on the other side, nothing
@@ -197,8 +317,7 @@ private:
         const Vector<Interval> size =
             to_vector<Interval>(cell_.scene.box.max) - to_vector<Interval>(cell_.scene.box.min);
         const auto& [x, y, z] = size;
-        const Interval pi(std::numbers::pi, std::nextafter(std::numbers::pi, 4));
-        double least = (pi * 0.25 * (square(x) + square(y) + square(z))).upper() * (1 + 0x1p-50);
+        double least = (pi() * 0.25 * (square(x) + square(y) + square(z))).upper() * (1 + 0x1p-50);
         const std::array<Interval, 3> shadows{y * z, z * x, x * y};
         for (std::size_t k = 0; k < 3; ++k) {
             const Interval lean = magnitude(space_.base().direction[k]);

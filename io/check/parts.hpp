@@ -6,7 +6,8 @@
 ///     all of each, and through no others;
 ///   - what the box has between them, before the first and after the last are slabs across the axis, which
 ///     are thin. Nothing is said of what is in them, but how much that is at most: as wide as they are
-///     together, times the largest section of the box across the axis.
+///     together, times the largest section of the box across the axis. What of them is as deep in another
+///     object as the base is wide is nearer to that, and does not count.
 #pragma once
 
 #include <optional>

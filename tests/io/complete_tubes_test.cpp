@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <sstream>
@@ -139,6 +140,95 @@ TEST_CASE("complete tubes: among balls and planes, and with the axis beside the 
     check_tube_cell(complete_cell(scene), rng);
     scene.base = Cylinder{{-1, 5, 5}, {0.05, 3, 4}, 0.25};
     check_tube_cell(complete_cell(scene), rng);
+}
+
+namespace {
+
+/// A thin tube through (5, 5, 5), or near it, along an axis of the box or not, a ball and a tube that hold
+/// cross sections of it, and two balls beside it.
+Scene held_scene(std::mt19937_64& rng, bool is_oblique) {
+    std::uniform_real_distribution<double> part(-1, 1), coordinate(0, 10);
+    const auto random = [&](auto& from) {
+        const double x = from(rng), y = from(rng), z = from(rng);
+        return Vec3(x, y, z);
+    };
+    Scene scene;
+    scene.box = cube;
+    const Vec3 axis = is_oblique ? random(part).normalized() : Vec3::UnitZ().eval(),
+               middle = Vec3::Constant(5) + random(part);
+    scene.base = Cylinder{middle, axis, 0.1 * (1 + part(rng))};
+    const Vec3 aside = axis.unitOrthogonal(), along = axis.cross(aside) + (0.8 * part(rng)) * axis;
+    scene.objects = {Sphere{middle + 2 * axis + 0.5 * aside, 1 + 0.2 * part(rng)},
+                     Cylinder{middle - 2 * axis + 0.4 * part(rng) * aside, along, 1 + 0.2 * part(rng)},
+                     Sphere{random(coordinate), 0.3}, Sphere{random(coordinate), 0.3}};
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("complete tubes: what others hold of them is theirs") {
+    std::mt19937_64 rng(test_seed());
+    int cut = 0;
+    for (int i = 0; i < long_rounds(3); ++i)
+        for (const bool is_oblique : {false, true}) {
+            const Scene scene = held_scene(rng, is_oblique);
+            const Cell cell = complete_cell(scene);
+            check_tube_cell(cell, rng);
+            // Two gaps of the axis, each wider than half of what holds it there.
+            const auto& base = std::get<Cylinder>(scene.base);
+            std::vector<double> gaps;
+            for (std::size_t k = 1; k < cell.parts.size(); ++k)
+                gaps.push_back(base.axis.normalized().dot(cell.parts[k].ends[0] - cell.parts[k - 1].ends[1]));
+            cut += std::ranges::count_if(gaps, [](double gap) { return gap > 1; }) == 2 ? 1 : 0;
+            const Cell same = voronoi_cell(scene);  // it has no other
+            CHECK(same.is_complete);
+            CHECK(same.measures.volume == cell.measures.volume);
+        }
+    CHECK(cut > long_rounds(3));
+}
+
+// Half of a cube and more: what a ball of radius 1 and the paraboloids about it take from a line through its
+// centre is rotated about that, and so are the volumes that integrals of one variable tell.
+TEST_CASE("complete tubes: beside a ball on its axis a line has what is outside a paraboloid") {
+    Scene scene;
+    scene.box = {{-2, -2, -4}, {2, 2, 4}};
+    scene.base = Cylinder{Vec3::Zero(), {0, 0, 1}, 0};
+    scene.objects = {Sphere{Vec3::Zero(), 1}};
+    const Cell cell = complete_cell(scene);
+    check_certificate_of_parts(cell);
+    // A point (rho, z) is as far from both where rho + 1 = |(rho, z)|: 2 rho = z^2 - 1. Before it comes to
+    // the sides, at z^2 = 5, sections are discs; from there to where it comes to edges they are squares less
+    // what is beyond the disc.
+    const auto disc = [](double z) { return std::pow(0.5 * (z * z - 1), 2); };
+    double expected = 0;
+    constexpr int steps = 200000;
+    for (int i = 0; i < steps; ++i) {
+        const double z = 1 + 3 * (i + 0.5) / steps, r2 = disc(z);
+        double section = 16;
+        if (r2 <= 4) {
+            section = std::numbers::pi * r2;
+        } else if (r2 < 8) {
+            const double half = std::sqrt(r2 - 4);
+            section = 16 - 4 * ((2 - half) * (2 - half) -
+                                (r2 * (std::asin(2 / std::sqrt(r2)) - std::asin(half / std::sqrt(r2))) / 2 -
+                                 half * (2 - half)));
+        }
+        expected += 2 * section * 3 / steps;
+    }
+    CHECK(cell.measures.volume == doctest::Approx(expected).epsilon(1e-8));
+}
+
+// A plane across the axis meets the box in that edge last, and the point is the axis's mirror image there.
+TEST_CASE("complete tubes: an object ties with two sides all along the last edge of the box") {
+    Scene scene;
+    scene.box = {Vec3::Constant(-6), Vec3::Constant(6)};
+    scene.base = Cylinder{{-2, 1, -1}, {0, 1, 1}, 0};
+    scene.objects = {Sphere{{-2, 5, 5}, 0}};
+    const Cell cell = complete_cell(scene);
+    check_complete_measures(cell, complete_measures(scene), cell.measures.area_error);
+    const Certificate certificate = certify(cell);
+    CHECK_MESSAGE(certificate.count(Verdict::refuted) == 0, listing(certificate));
+    CHECK(is_proved(certificate, "measures.volume"));
 }
 
 TEST_CASE("complete tubes: through edges and corners of the box, along its sides and beside it") {
@@ -383,6 +473,20 @@ TEST_CASE("complete tubes: slabs that are moved, widened or off the axis are not
     volume.measures.volume += 10 * volume.measures.volume_error + 1e-6;
     CHECK_FALSE(is_proved(certify(volume), "measures.volume"));
     CHECK(is_proved(certify(good), "measures.volume"));
+}
+
+TEST_CASE("complete tubes: what is left out beside what others hold has to be held") {
+    std::mt19937_64 rng(test_seed());
+    const Cell good = complete_cell(held_scene(rng, true));
+    CHECK(is_proved(certify(good), "parts"));
+    // Of the gaps between parts those are wide that others hold: with these elsewhere nobody does.
+    Cell moved = good;
+    auto& ball = std::get<Sphere>(moved.scene.objects[0]);
+    ball.center += Vec3(0, 0, 20);
+    CHECK_FALSE(is_proved(certify(moved), "parts"));
+    Cell thin = good;
+    std::get<Cylinder>(thin.scene.objects[1]).radius = 0.9 * std::get<Cylinder>(good.scene.base).radius;
+    CHECK_FALSE(is_proved(certify(thin), "parts"));
 }
 
 TEST_CASE("complete tubes: what nothing joins to the others is there, once") {
