@@ -215,6 +215,48 @@ Scene fibres(std::mt19937_64& rng, BaseKind kind) {
     return b.done();
 }
 
+// Balls and tubes that hold cross sections of a base tube, on its axis, beside it or across it, of any
+// numbers or of quarters; of another base, of a tube beside it.
+Scene beads(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    const bool are_quarters = b.chance(0.5);
+    const double radius = 0.125 * b.count(0, 2);
+    b.put_base(radius, are_quarters);
+    const auto rounded = [&](const Vec3& p) {
+        return are_quarters ? Vec3(0.25 * (4 * p.array()).round()) : p;
+    };
+    b.add_some(1, [&] { return Cylinder{rounded(b.place()), b.integer_direction(1), radius}; });
+    const auto* base = std::get_if<Cylinder>(&b.scene().base);
+    if (!base && b.scene().objects.empty()) return b.done();
+    const Cylinder wire = base ? *base : std::get<Cylinder>(b.scene().objects[0]);
+    const Vec3 along = wire.axis.normalized();
+    constexpr int tries = 20;
+    for (int i = 0, held = b.count(1, 3); i < tries && held > 0; ++i) {
+        const double deep = 0.125 * b.count(1, 6);
+        const Vec3 middle =
+            rounded(wire.point + b.uniform(-2, 2) * along + b.uniform(0, deep) * b.direction());
+        const bool is_ball = b.chance(0.5);
+        const Vec3 axis = are_quarters ? b.integer_direction(1) : b.direction(), normal = along.cross(axis);
+        const double apart = is_ball ? along.cross(middle - wire.point).norm()
+                                     : std::abs(normal.normalized().dot(middle - wire.point));
+        if (!(apart < 0.9 * deep) || normal.norm() < 0.2) continue;
+        const Object holder =
+            is_ball ? Object(Sphere{middle, radius + deep}) : Object(Cylinder{middle, axis, radius + deep});
+        if (base)
+            b.scene().objects.push_back(holder);
+        else if (!b.add(holder))
+            continue;
+        --held;
+    }
+    // Where a base is held it is legal only alone: what touches it is told from it.
+    Scene scene = b.done();
+    Builder others(rng, kind);
+    others.scene().base = scene.base;
+    others.add_mix(others.count(0, 3), 0, others.count(0, 1));
+    for (const Object& o : others.scene().objects) scene.objects.push_back(o);
+    return scene;
+}
+
 // Coordinates of few bits: full of exact ties.
 Scene integers(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind, 4);
@@ -527,6 +569,7 @@ constexpr Family all[] = {
     {"tubes", "random skew tubes and lines", tubes},
     {"fibres", "tubes of one radius, axes 1e-6 to 1 from each other: they cut each other", fibres},
     {"integers", "planes, points, lines, balls and tubes of small integers", integers},
+    {"beads", "balls and tubes that hold cross sections of the base tube, or of one beside the base", beads},
     {"equals", "balls and tubes of the base's radius, of small integers: planes through edges of the box",
      equals},
     {"lattice", "balls of a lattice, exact or one unit in the last place off", lattice},
