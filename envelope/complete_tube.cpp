@@ -220,10 +220,10 @@ private:
 
 std::optional<CompleteTube> lift_complete_tube(const DecidedScene& decided, bool with_measures,
                                                bool is_asked) {
-    const auto* base = std::get_if<Cylinder>(&decided.scene.base);
-    if (base == nullptr) return std::nullopt;
+    const std::optional<Cylinder> base = base_tube(decided.scene);
+    if (!base) return std::nullopt;
     Assembly assembly(decided, *base, with_measures);
-    if (!assembly.is_cut() && !(is_asked && oblique_tube(decided.scene))) return std::nullopt;
+    if (!assembly.is_cut() && !(is_asked && is_oblique(decided.scene, *base))) return std::nullopt;
     CompleteTube tube = assembly();
     if (tube.lifted.cell.faces.empty())
         throw InputError(InputError::Kind::EmptyBox, InputError::no_object, "box",

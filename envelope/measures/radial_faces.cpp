@@ -269,29 +269,6 @@ Share TurnedFace::size(const Ray& ray) const {
             v * (size_of_K + sv) * (std::hypot(sqrt(H2), slope) * condition + reach) * element};
 }
 
-// ---- Sides of the box over a cylinder ---------------------------------------------------------------
-
-// The face's edges meet but for rounding. As seen from a point near by the gaps between them are next to
-// nothing.
-FlatFace::FlatFace(const Plane& side, const Vec3& near)
-    : normal(side.normal.normalized()), offset(normal.dot(side.point)) {
-    point = near + (offset - normal.dot(near)) * normal;
-}
-
-// Boundaries run clockwise as seen from the base, counter-clockwise from outside.
-Share FlatFace::share(const SpanPoint<double>& p) const {
-    const Vec3 q = Vec3(p.x, p.y, p.z) - point;
-    const double turn = normal.dot(q.cross(Vec3(p.x1, p.y1, p.z1)));
-    const double at_point = offset - normal.y() * point.y(), change = -normal.y() * q.y();
-    return {0.5 * (0.5 * at_point + change / 3) * turn, 0.5 * turn};
-}
-
-Share FlatFace::size(const SpanPoint<double>& p) const {
-    const Vec3 q = Vec3(p.x, p.y, p.z) - point;
-    const double turn = (q.norm() + noise * Vec3(p.x, p.y, p.z).norm()) * Vec3(p.x1, p.y1, p.z1).norm();
-    return {(std::abs(offset - normal.y() * point.y()) + std::abs(q.y())) * turn, turn};
-}
-
 // ---- Skew cylinders over a cylinder -----------------------------------------------------------------
 
 SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face)
@@ -582,7 +559,10 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     if (is_vessel(problem.objects[form]) && problem.family.radial_form(form).has_root())
         return SkewFace(problem, form, face);
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
-    if (is_skew) return SkewFace(problem, *cylinder, face);
+    if (is_skew) {
+        if (const auto flat = FlatFace::between_crossing(problem, *cylinder, face.near)) return *flat;
+        return SkewFace(problem, *cylinder, face);
+    }
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
     return TurnedFace(problem, form, face);
 }

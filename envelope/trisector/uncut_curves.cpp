@@ -129,6 +129,9 @@ std::vector<SolidCurves> curves_beside(const Object& base, const Object& a, cons
         scene.box = box_with_feet(side, region);
         scene.tolerance = tolerance_before(tolerance, scene.box, region);
         const Cell cell = voronoi_cell(scene, options);
+        if (!cell.parts.empty())
+            throw InputError(InputError::Kind::TouchesBase, InputError::no_object, "base",
+                             "has cross sections that another object holds");
         const Vec3 foot = foot_of(side, 0.5 * (region.min + region.max));
         SolidCurves found{
             {side, seen_from(a, foot), seen_from(b, foot)}, {}, shared_sides(scene.box, region), false};

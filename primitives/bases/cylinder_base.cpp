@@ -452,10 +452,13 @@ double end_radius(const Cylinder& base, const Box& box) {
     return std::max(base.radius, least * box.diagonal());
 }
 
-std::optional<Cylinder> oblique_tube(const Scene& scene) {
+std::optional<Cylinder> base_tube(const Scene& scene) {
     const auto* base = std::get_if<Cylinder>(&scene.base);
-    if (base == nullptr || (CylinderFrame(scene, *base).axis.array() != 0).count() == 1) return std::nullopt;
-    return *base;
+    return base != nullptr ? std::optional(*base) : std::nullopt;
+}
+
+bool is_oblique(const Scene& scene, const Cylinder& base) {
+    return (CylinderFrame(scene, base).axis.array() != 0).count() > 1;
 }
 
 BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base) {

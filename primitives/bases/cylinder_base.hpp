@@ -26,8 +26,11 @@ BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base);
 RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit,
                                         const CylinderPart* part = nullptr);
 
-/// The base, if it is a tube that runs obliquely into sides of the box: no side is across its axis.
-std::optional<Cylinder> oblique_tube(const Scene& scene);
+/// The base, if it is a tube.
+std::optional<Cylinder> base_tube(const Scene& scene);
+
+/// Does the base run into sides of the box obliquely, so that no side is across its axis?
+bool is_oblique(const Scene& scene, const Cylinder& base);
 
 /// The radius of the circles that end the stretch of a base cylinder obliquely on the sides of the box: its
 /// own, or half a double's digits of the box's diagonal. A line that runs into a side has no clearance there,

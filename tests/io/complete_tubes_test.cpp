@@ -231,6 +231,18 @@ TEST_CASE("complete tubes: an object ties with two sides all along the last edge
     CHECK(is_proved(certificate, "measures.volume"));
 }
 
+// The bisector is two planes, and over the base next to their common line, where the face is, heights are
+// beyond all bounds.
+TEST_CASE("complete tubes: a tube of the base's radius may cross its axis beyond the box") {
+    Scene scene;
+    scene.box = {Vec3::Constant(-4), Vec3::Constant(4)};
+    scene.base = Cylinder{{2, 3, 2}, {0, 0, 1}, 0};
+    scene.objects = {Cylinder{{2, -1, 3}, {1, 1, 1}, 0}, Cylinder{{1, 2, 2}, {1, 1, 0}, 0.25},
+                     Sphere{{0, -3, -1}, 0}, Cylinder{{-3, -2, 2}, {1, 1, 1}, 0}};
+    const Certificate certificate = certify(complete_cell(scene));
+    CHECK_MESSAGE(certificate.holds(), listing(certificate));
+}
+
 TEST_CASE("complete tubes: through edges and corners of the box, along its sides and beside it") {
     std::mt19937_64 rng(test_seed());
     const Cylinder other{{6, 5, 3}, {1, -2, 2}, 0.5};
