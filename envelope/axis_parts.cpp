@@ -109,8 +109,9 @@ AxisParts::LeftOut AxisParts::Holder::needle(double beyond) const {
     constexpr double room = 2;  // for proofs in intervals
     const double off = lean * (reach(0)[1] + beyond - foot),
                  C = std::max(0.0, off * off - (deep - apart) * (deep + apart)), width = C / (2 * deep),
-                 rest = std::max(0.5 * least_rest, this->rest(off)),
-                 most = width / rest * (1 + std::sqrt(1 - rest));
+                 rest = this->rest(off);
+    if (!(rest > 0.5 * least_rest)) return {beyond};  // as of any slab
+    const double most = width / rest * (1 + std::sqrt(1 - rest));
     return {0, room * beyond * std::numbers::pi * width * width / (rest * std::sqrt(rest)),
             2 * std::numbers::pi * most * (beyond + most)};
 }
@@ -134,8 +135,7 @@ void AxisParts::leave_out(const std::array<double, 2>& held) {
     parts_ = std::move(left);
 }
 
-// Next to a wall the cell is a needle, and so it is next to what holds its base: parts keep as clear of where
-// it ends as of planes.
+// Next to a wall the cell is a needle: parts keep as clear of where it ends as of planes.
 AxisParts::AxisParts(const Scene& scene, const Cylinder& base, const Box& box, const BaseFrame& frame)
     : diagonal_(scene.box.diagonal()),
       sides_(canonical_box(box, frame)),

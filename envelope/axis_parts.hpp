@@ -76,7 +76,8 @@ public:
                 if (least == least_rooms.back() || stretch == part) throw;
             }
         }
-        return {part[1] - part[0]};
+        const std::array<double, 2> held = within_box(part, 0);
+        return {std::max(0.0, held[1] - held[0])};
     }
 
 private:

@@ -34,7 +34,7 @@ public:
         if (is_cut()) tolerance_ = std::min(tolerance_, of_needle * AxisParts::beside_needle * diagonal_);
     }
 
-    // Is the axis left out in places, as what is about them holds it?
+    // Is some of the axis left out, as another object holds what is about it?
     bool is_cut() const { return axis_.are_any_held(); }
 
     CompleteTube operator()() {
