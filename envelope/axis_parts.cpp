@@ -74,7 +74,7 @@ AxisParts::Within AxisParts::within_vessels(const Scene& scene, const Cylinder& 
     return within;
 }
 
-// Of those that the axis all but touches from within too little would be known beside them.
+// Objects that the axis all but touches from within are none: too little would be known beside them.
 std::vector<AxisParts::Holder> AxisParts::holders(const Scene& scene, const Cylinder& base,
                                                   const BaseFrame& frame) {
     std::vector<Holder> found;

@@ -180,7 +180,7 @@ void set(Report& report, const EnvelopeWork& work) {
     report.pieces = work.pieces;
 }
 
-// Of an oblique tube, or one that others hold, if it is one.
+// The base may be an oblique tube, or one that others hold; none if it is neither.
 std::optional<Cell> complete_tube_cell(const Scene& scene, const CellOptions& options) {
     Stopwatch watch;
     validate(scene);

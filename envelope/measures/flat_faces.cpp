@@ -33,11 +33,11 @@ Share FlatFace::size(const SpanPoint<double>& p) const {
 // bounds.
 std::optional<FlatFace> FlatFace::between_crossing(const RadialBaseProblem& problem, const Cylinder& cylinder,
                                                    const Vec3& near) {
-    constexpr double rounding = 0x1p-48;  // parts of how far apart the axes are beside the face
+    // Output accuracy, in parts of how far apart the axes are beside the face: the planes are off by less.
+    constexpr double rounding = 0x1p-48;
     if (cylinder.radius != problem.chart.radius) return std::nullopt;
-    const Vec3 axis = cylinder.axis.normalized(), point = cylinder.point - axis.dot(cylinder.point) * axis;
-    const double square = axis.x() * axis.x() + axis.z() * axis.z(), foot = point.y() / square,
-                 apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
+    const Vec3 axis = cylinder.axis.normalized();
+    const auto [foot, apart, square] = AxesApart(cylinder.point, axis);
     const double along = near.y() - foot;
     if (!(apart <= rounding * sqrt(square) * std::abs(along))) return std::nullopt;
     // Between the two axes as they go from the crossing to the face's side, away from the base's.

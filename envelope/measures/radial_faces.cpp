@@ -271,6 +271,13 @@ Share TurnedFace::size(const Ray& ray) const {
 
 // ---- Skew cylinders over a cylinder -----------------------------------------------------------------
 
+AxesApart::AxesApart(const Vec3& any, const Vec3& axis) {
+    const Vec3 point = any - axis.dot(any) * axis;
+    square = axis.x() * axis.x() + axis.z() * axis.z();
+    foot = point.y() / square;
+    apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
+}
+
 SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face)
     : side(1), origin(0), far_y(0), far_t(1), far_u(Vec3::Zero()), start(face.near.y()), least(infinity) {
     const Vec3 axis = cylinder.axis.normalized(), point = cylinder.point - axis.dot(cylinder.point) * axis;
@@ -284,9 +291,7 @@ SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, c
     b = point;
     a = axis;
     far0 = delta;
-    // The foot of the common perpendicular on the base's axis: C is least there.
-    const double square = axis.x() * axis.x() + axis.z() * axis.z(), foot = point.y() / square;
-    const double apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
+    const auto [foot, apart, square] = AxesApart(cylinder.point, axis);  // C is least at the foot
     if (foot >= problem.stretch[0] && foot <= problem.stretch[1] && apart > std::abs(delta))
         least = 0.5 * (apart - delta);
     // Where the axes are |delta| apart, or nearly so, C all but vanishes at the foot. Next to one direction,

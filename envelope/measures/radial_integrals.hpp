@@ -261,6 +261,14 @@ struct FlatFace {
     Share size(const SpanPoint<double>& p) const;
 };
 
+/// Where the common perpendicular of the base's axis, y, and another one meets the former, how far apart they
+/// are there, and the square of the sine of their angle. Pre: they are not parallel, and `axis` is unit.
+struct AxesApart {
+    double foot, apart, square;
+
+    AxesApart(const Vec3& point, const Vec3& axis);
+};
+
 /// Skew cylinders and hollow ones, and hollow cones, over a cylinder.
 struct SkewFace {
     /// As primitives/forms/radial_form.hpp has them with the lengths of axial_terms.hpp, y from `origin`.

@@ -491,7 +491,7 @@ TEST_CASE("complete tubes: what is left out beside what others hold has to be he
     std::mt19937_64 rng(test_seed());
     const Cell good = complete_cell(held_scene(rng, true));
     CHECK(is_proved(certify(good), "parts"));
-    // Of the gaps between parts those are wide that others hold: with these elsewhere nobody does.
+    // Gaps between parts are wide only where others hold the axis: with these elsewhere nobody does.
     Cell moved = good;
     auto& ball = std::get<Sphere>(moved.scene.objects[0]);
     ball.center += Vec3(0, 0, 20);
