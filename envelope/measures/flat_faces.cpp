@@ -1,5 +1,5 @@
 // Measures of faces in planes over a cylinder: sides of the box, and bisectors of tubes whose axes cross.
-#include <algorithm>
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "radial_integrals.hpp"
