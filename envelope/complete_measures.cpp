@@ -274,8 +274,7 @@ Cell lift(const RadialBaseProblem& problem, const DecidedScene& decided) {
     const MinimizationDiagram diagram = diagram_of(problem, {});
     // Trims on a cap may be fitted, and widen the bounds; some faces in vessels have no patches around a
     // cylinder.
-    const bool is_bare = decided.scene.probe ||
-                         (problem.family.forms.empty() && std::ranges::any_of(problem.objects, is_vessel));
+    const bool is_bare = decided.scene.probe || (problem.family.forms.empty() && may_have_tips(problem));
     LiftedCell lifted = is_bare ? lift_without_patches(problem, diagram, tolerance, true)
                                 : lift_all_around(problem, diagram, tolerance, true);
     if (decided.scene.probe) name_cap(lifted.cell, decided.cap(), *decided.scene.probe);

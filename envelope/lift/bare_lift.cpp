@@ -1,8 +1,6 @@
 // Around a sphere, and in a vessel, edges are found before the patches are, and measures take nothing else.
 #include "lift.hpp"
 
-#include <algorithm>
-
 #include "edge_lift.hpp"
 
 namespace vcell {
@@ -10,7 +8,7 @@ namespace vcell {
 LiftedCell lift_without_patches(const RadialBaseProblem& problem, const MinimizationDiagram& diagram,
                                 double tolerance, bool with_measures, unsigned threads) {
     // Over a cylinder no form is circular; around a sphere the box has sides that are.
-    if (problem.family.forms.empty() && std::ranges::none_of(problem.objects, is_vessel))
+    if (problem.family.forms.empty() && !may_have_tips(problem))
         return lift_all_around(problem, diagram, tolerance, with_measures, threads);
     if (!problem.family.is_all_circular())
         return lift_curves_all_around(problem, diagram, tolerance, with_measures, threads);

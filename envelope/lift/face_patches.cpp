@@ -55,16 +55,20 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
     }
     for_ranges(count, threads, [&](std::size_t begin, std::size_t end) {
         for (auto face = FaceId{static_cast<std::uint32_t>(begin)}; face.value < end; ++face.value)
-            if (const FormId form = diagram_.face_forms[face]; form.valid() && !is_vessel(object(face)))
+            if (const FormId form = diagram_.face_forms[face]; form.valid() && !has_tips(face))
                 patches_[face] = RadialPatch(problem_, form, middle(face), 0);
     });
     for (const FaceId face : diagram_.face_forms.ids()) {
-        if (!diagram_.face_forms[face].valid() || !is_vessel(object(face))) continue;
+        if (!diagram_.face_forms[face].valid() || !has_tips(face)) continue;
         if (std::holds_alternative<HollowSphere>(object(face)))
             add_in_sphere(face);
         else
-            add_in_vessel(face);
+            add_about_object(face);
     }
+}
+
+bool FacePatches::has_tips(FaceId face) const {
+    return is_vessel(object(face)) || pierces_base(problem_, diagram_.face_forms[face]);
 }
 
 Vec3 FacePatches::middle(FaceId face) const {
@@ -163,7 +167,7 @@ bool FacePatches::change(FaceId face, const std::vector<bool>& is_too_wide) {
         return true;
     }
     if (is_cut(face)) return narrow(face, is_too_wide);
-    if (vessel_axes_.contains(face) || !problem_.chart.is_sphere()) {
+    if (object_axes_.contains(face) || !problem_.chart.is_sphere()) {
         change_and_cut(face);
         return true;
     }
@@ -200,11 +204,11 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
 
 // Around a hollow tube's or cone's axis, of which the face's boundary keeps clear. A patch is about the
 // middle of the angles that the face covers; one that holds a tip of the bisector has all of them there.
-void FacePatches::add_in_vessel(FaceId face) {
+void FacePatches::add_about_object(FaceId face) {
     const FormId form = diagram_.face_forms[face];
     if (!tips_) tips_.emplace(RadialDiagram{problem_, diagram_}, loops_);
-    const VesselAxis& axis = vessel_axes_.emplace(face, problem_.objects[form]).first->second;
-    const VesselTurns turns({problem_, diagram_}, loops_, axis, face);
+    const ObjectAxis& axis = object_axes_.emplace(face, problem_.objects[form]).first->second;
+    const ObjectTurns turns({problem_, diagram_}, loops_, axis, face);
     patches_[face] = RadialPatch(problem_, form, axis.direction(turns.middle()), 0);
     if (turns.is_closed() || turns.width() > widest_patch || !tips(face).empty()) cut(face);
 }
@@ -217,7 +221,7 @@ RadialPatch FacePatches::patch_around(FaceId face, const CylinderTurns::Extent& 
 
 void FacePatches::add_around_cylinder(FaceId face) {
     const CylinderTurns::Extent e = turns_.extent(face);
-    refuse_around_tip(face, e);
+    if (const auto tip = tip_beside(face, e)) return add_around_tip(face, *tip);
     if (const auto axes = SkewAxes::of(problem_, diagram_.face_forms[face], e.y)) {
         skew_axes_.emplace(face, *axes);
         patches_[face] = RadialPatch(*axes);
@@ -233,17 +237,29 @@ void FacePatches::add_around_cylinder(FaceId face) {
     }
 }
 
-// No parameters are good on both lines through a tip (radial_patch.hpp).
-void FacePatches::refuse_around_tip(FaceId face, const CylinderTurns::Extent& e) const {
-    const FormId form = diagram_.face_forms[face];
-    for (const VesselTip& tip : vessel_tips(problem_, form)) {
+// On both sides of a tip, which the face may hold or others hide.
+std::optional<BisectorTip> FacePatches::tip_beside(FaceId face, const CylinderTurns::Extent& e) const {
+    for (const BisectorTip& tip : bisector_tips(problem_, diagram_.face_forms[face])) {
         if (!(tip.y > e.lowest && tip.y < e.highest)) continue;
         const double off = std::abs(std::remainder(e.middle() - turns_.angle(tip.u), 2 * pi));
-        if (!e.is_closed && off > 0.5 * e.width()) continue;
+        if (e.is_closed || off <= 0.5 * e.width()) return tip;
+    }
+    return std::nullopt;
+}
+
+// No parameters about the base are good on both lines through a tip (radial_patch.hpp). About the axis of a
+// tube that pierces the base there are some for either half of its directions.
+void FacePatches::add_around_tip(FaceId face, const BisectorTip& tip) {
+    const FormId form = diagram_.face_forms[face];
+    if (is_vessel(object(face)))
         throw UndecidedError("object " + to_string(problem_.sites[form].front()) +
                              ": its face lies on both sides of where its bisector would have a tip, and has "
                              "measures, but no patches");
-    }
+    if (!tips_) tips_.emplace(RadialDiagram{problem_, diagram_}, loops_);
+    const ObjectAxis& axis = object_axes_.emplace(face, object(face)).first->second;
+    is_far_.emplace(face, tip.is_far);
+    patches_[face] = RadialPatch::around_tip(problem_, form, axis.x, tip.is_far);
+    cut(face);
 }
 
 // ---- Sectors ----------------------------------------------------------------------------------------
@@ -252,14 +268,17 @@ void FacePatches::refuse_around_tip(FaceId face, const CylinderTurns::Extent& e)
 // axis into three parts: where the base is centred on it the weight in the middle of a half is none.
 void FacePatches::cut(FaceId face) {
     const std::optional<Vec3>& half = patches_[face].half();
-    const auto axis = vessel_axes_.find(face);
-    const bool is_about_base = axis == vessel_axes_.end();
-    const std::size_t count = is_about_base ? 2 : 3;
+    const auto axis = object_axes_.find(face);
+    const bool is_about_base = axis == object_axes_.end();
+    const bool is_halved = is_about_base || is_far_.contains(face);
+    const std::size_t count = is_halved ? 2 : 3;
     const auto vertices = [&] {
         if (is_about_base) return turns_.of_vertices(face);
-        return VesselTurns({problem_, diagram_}, loops_, axis->second, face).of_vertices();
+        return ObjectTurns({problem_, diagram_}, loops_, axis->second, face).of_vertices();
     };
-    const double start = half ? turns_.angle(*half) - 0.5 * pi : clear_angle(vertices(), count),
+    const double start = half                          ? turns_.angle(*half) - 0.5 * pi
+                         : is_about_base || !is_halved ? clear_angle(vertices(), count)
+                                                       : axis->second.angle_of(Vec3::UnitY()) - 0.5 * pi,
                  width = 2 * pi / static_cast<double>(count);
     for (std::size_t i = 0; i < count; ++i) {
         const double from = start + width * static_cast<double>(i);
@@ -307,8 +326,12 @@ Sector FacePatches::sector(FaceId face, double from, double to) const {
     const FormId form = diagram_.face_forms[face];
     if (const auto axes = skew_axes_.find(face); axes != skew_axes_.end())
         return {from, to, RadialPatch(axes->second.moved(0.5 * (from + to)))};
-    if (const auto axis = vessel_axes_.find(face); axis != vessel_axes_.end())
-        return {from, to, RadialPatch(problem_, form, axis->second.direction(0.5 * (from + to)), 0)};
+    if (const auto axis = object_axes_.find(face); axis != object_axes_.end()) {
+        const Vec3 middle = axis->second.direction(0.5 * (from + to));
+        if (const auto is_far = is_far_.find(face); is_far != is_far_.end())
+            return {from, to, RadialPatch::around_tip(problem_, form, middle, is_far->second)};
+        return {from, to, RadialPatch(problem_, form, middle, 0)};
+    }
     const Vec3 middle = turns_.direction(0.5 * (from + to));
     const double y = turns_.mean_height(face, from, to);
     return {from, to, RadialPatch(problem_, form, middle, y, patches_[face].half().has_value())};
@@ -317,7 +340,7 @@ Sector FacePatches::sector(FaceId face, double from, double to) const {
 // Patches that are for a half each keep away from what lies at infinity.
 void FacePatches::change_and_cut(FaceId face) {
     skew_axes_.erase(face);
-    if (!vessel_axes_.contains(face)) patches_[face] = patch_around(face, turns_.extent(face), true);
+    if (!object_axes_.contains(face)) patches_[face] = patch_around(face, turns_.extent(face), true);
     cut(face);
 }
 

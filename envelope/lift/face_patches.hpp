@@ -17,11 +17,11 @@
 #include "based_diagram.hpp"
 #include "cylinder_turns.hpp"
 #include "face_loops.hpp"
+#include "object_turns.hpp"
 #include "radial_curves.hpp"
 #include "radial_patch.hpp"
 #include "space_arc.hpp"
 #include "surface_halves.hpp"
-#include "vessel_turns.hpp"
 
 namespace vcell::radial {
 
@@ -76,9 +76,10 @@ public:
     }
     std::size_t part_count(FaceId face) const { return halves(face) != nullptr ? 2 : sectors_[face].size(); }
     /// The tips that lie inside a face, over a sphere.
-    std::span<const VesselTip> tips(FaceId face) const {
-        return tips_ ? (*tips_)[face] : std::span<const VesselTip>();
+    std::span<const BisectorTip> tips(FaceId face) const {
+        return tips_ ? (*tips_)[face] : std::span<const BisectorTip>();
     }
+    bool is_in_vessel(FaceId face) const { return is_vessel(object(face)); }
     /// The part in which a point of a face's boundary lies, which rises there with the face on its left or
     /// falls.
     std::uint32_t part_of(FaceId face, const Vec3& p, bool rises) const;
@@ -107,15 +108,17 @@ public:
 
 private:
     const Object& object(FaceId face) const { return problem_.objects[diagram_.face_forms[face]]; }
+    bool has_tips(FaceId face) const;
     std::vector<Vec3> poles(FaceId face) const;
     void add_in_sphere(FaceId face);
     bool halve(FaceId face);
     bool is_owned_by_others(FormId form, const Vec3& direction, bool asks_tubes) const;
     RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
-    void add_in_vessel(FaceId face);
+    void add_about_object(FaceId face);
     void add_around_cylinder(FaceId face);
-    /// Throws UndecidedError for a face on both sides of a tip that others hide.
-    void refuse_around_tip(FaceId face, const CylinderTurns::Extent& e) const;
+    std::optional<BisectorTip> tip_beside(FaceId face, const CylinderTurns::Extent& e) const;
+    /// Throws UndecidedError for the face of a vessel.
+    void add_around_tip(FaceId face, const BisectorTip& tip);
     void cut(FaceId face);
     Sector sector(FaceId face, double from, double to) const;
     void change_and_cut(FaceId face);
@@ -132,9 +135,10 @@ private:
     std::map<FaceId, SurfaceHalves> halves_;    // over a sphere, of hollow spheres' faces
     std::map<FaceId, std::size_t> halvings_;    // how often they were looked for, of those that may have some
     std::map<FaceId, SkewAxes> skew_axes_;      // around a cylinder, of graphs that may be cut
-    std::map<FaceId, VesselAxis> vessel_axes_;  // over a sphere, of hollow tubes' and cones' faces
-    std::optional<FaceTips> tips_;              // where there are such faces
-    IdVector<FaceId, bool> wide_;               // over a sphere: has the patch been changed?
+    std::map<FaceId, ObjectAxis> object_axes_;  // over a sphere, of hollow tubes' and cones' faces
+    std::map<FaceId, bool> is_far_;  // over a cylinder, of which of both tips such a face is beyond
+    std::optional<FaceTips> tips_;   // where there are such faces
+    IdVector<FaceId, bool> wide_;    // over a sphere: has the patch been changed?
     IdVector<FormId, char> is_flat_;
 };
 

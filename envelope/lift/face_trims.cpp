@@ -32,17 +32,18 @@ std::vector<std::vector<BoundaryRun>> FaceTrims::runs(FaceId face) const {
 }
 
 // v is one and the same all along. The face lies above it with u to the right, or below it with u to the
-// left.
+// left: between a vessel's tips, and beyond those of a tube that pierces the base.
 std::vector<std::vector<BoundaryRun>> FaceTrims::all_runs(FaceId face) const {
     std::vector<std::vector<BoundaryRun>> result = runs(face);
     const auto sectors = patches_.sectors(face);
-    for (const VesselTip& tip : patches_.tips(face)) {
+    for (const BisectorTip& tip : patches_.tips(face)) {
+        const bool is_below = tip.is_far == patches_.is_in_vessel(face);
         std::vector<BoundaryRun>& loop = result.emplace_back();
         const auto count = static_cast<std::uint32_t>(sectors.size());
         for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t at = tip.is_far ? count - 1 - i : i;
+            const std::uint32_t at = is_below ? count - 1 - i : i;
             const double v = sectors[at].patch.parameters(tip.point()).y(),
-                         u = tip.is_far ? -sectors[at].reach() : sectors[at].reach();
+                         u = is_below ? -sectors[at].reach() : sectors[at].reach();
             BoundaryRun& run = loop.emplace_back(BoundaryRun{{}, at});
             begin_joined(run.trim.curve, 1, 1);
             run.trim.curve.points = {{-u, v, 1}, {u, v, 1}};

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../primitives/bases/axial_terms.hpp"
 #include "radial_patch_terms.hpp"
 
 namespace vcell {
@@ -54,15 +55,16 @@ RadialPatch::RadialPatch(const RadialBaseProblem& problem, FormId form, const Ve
     } else if (const auto* ball = std::get_if<HollowSphere>(&object)) {
         set_in_sphere(ball->center, ball->radius + problem.chart.radius, ball_power(problem, form), middle);
     } else if (const auto* tube = std::get_if<HollowCylinder>(&object)) {
-        set_about_object(tube->axis, tube->point, tube->radius + problem.chart.radius, &middle);
+        set_about_object(tube->axis, tube->point, tube->radius + problem.chart.radius, -1, &middle);
     } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
         set_in_cone(*cone, problem.chart.radius, middle);
     } else {
         const auto& cylinder = std::get<Cylinder>(object);
         if (problem.chart.is_sphere())
-            set_about_object(cylinder.axis, cylinder.point, cylinder.radius - problem.chart.radius);
+            set_about_object(cylinder.axis, cylinder.point, cylinder.radius - problem.chart.radius, 1,
+                             pierces_base(problem, form) ? &middle : nullptr);
         else
-            set_about_axes(problem, cylinder, middle, y, wide);
+            set_about_axes(problem, form, middle, y, wide);
     }
 }
 
@@ -74,22 +76,6 @@ RadialPatch::RadialPatch(const SkewAxes& axes) {
     add({axes.x0, 1, 0}, {axes.y0, 1, 0}, fall);
     add(1, 0, vector(axes.x));
     add(0, 1, vector(axes.y));
-}
-
-void RadialPatch::set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin) {
-    kind_ = kind;
-    axes_ = {x, y, x.cross(y)};
-    origin_ = origin;
-    if (kind == Kind::Planar || kind == Kind::Graph)
-        coordinates_ = {PatchCoordinate::linear(x, origin), PatchCoordinate::linear(y, origin)};
-    if (kind == Kind::Stereographic)
-        coordinates_ = {PatchCoordinate::half_angle(origin, axes_[2], x, 0),
-                        PatchCoordinate::half_angle(origin, axes_[2], y, 0)};
-}
-
-void RadialPatch::set_coordinates(const PatchCoordinate& u) {
-    coordinates_[0] = u;
-    coordinates_[1].numerator << along_, along_across_, along_start_;
 }
 
 void RadialPatch::add_direction(double power, const Vec3& z) {
@@ -160,20 +146,19 @@ void RadialPatch::set_confocal(const Vec3& z, double length, double delta, doubl
 
 // S = c + v d + r n / W with |S| = r - delta, or with |S| = delta - r from within a vessel: then all of it is
 // negated, and the base lies on the other side.
-void RadialPatch::set_about_object(const Vec3& axis, const Vec3& point, double delta, const Vec3* middle) {
+void RadialPatch::set_about_object(const Vec3& axis, const Vec3& point, double delta, double side,
+                                   const Vec3* middle) {
     set_degree(2, 2, Terms::Product);
-    const bool is_in_tube = middle != nullptr;
-    if (is_in_tube) set_extent(Extent::Around);
-    const double side = is_in_tube ? -1 : 1;
+    if (side < 0) set_extent(Extent::Around);
     const Vec3 d = axis.normalized(), c = point - point.dot(d) * d,
-               x = is_in_tube ? across(d, *middle) : Vec3(-c.normalized());
+               x = middle != nullptr ? across(d, *middle) : Vec3(-c.normalized());
     // d leaves the cell's inside on the left, or on the right.
     set_axes(Kind::AboutObject, x, -side * d.cross(x), c);
     along_ = d;
-    set_coordinates(is_in_tube ? PatchCoordinate::hollow_half_angle(c, x, axes_[1], delta)
-                               : PatchCoordinate::half_angle(c, x, axes_[1], delta));
+    set_coordinates(side < 0 ? PatchCoordinate::hollow_half_angle(c, x, axes_[1], delta)
+                             : PatchCoordinate::half_angle(c, x, axes_[1], delta));
     const double length = c.norm(), squared = side * (length - delta) * (length + delta);
-    const double cx = is_in_tube ? c.dot(x) : -length, cy = is_in_tube ? c.dot(axes_[1]) : 0;
+    const double cx = middle != nullptr ? c.dot(x) : -length, cy = middle != nullptr ? c.dot(axes_[1]) : 0;
     const Polynomial w{-side * (cx + delta), -side * 2 * cy, side * (cx - delta)},
         half{0.5 * squared, 0, side * 0.5};
     add(w, one, vector(c) + weight);
@@ -198,8 +183,9 @@ void RadialPatch::set_about_base(const Vec3& middle, const Vec3& b, double b0, c
     add(angle_sin, C, vector(axes_[1]));
 }
 
-void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder,
-                                 const Vec3& middle, double y, bool wide) {
+void RadialPatch::set_about_axes(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
+                                 bool wide) {
+    const auto& cylinder = std::get<Cylinder>(problem.objects[form]);
     const double delta = cylinder.radius - problem.chart.radius;
     Vec3 d = cylinder.axis.normalized();
     const Vec3 a = cylinder.point + d * d.dot(Vec3(0, y, 0) - cylinder.point), near = across_y(a);
@@ -212,7 +198,11 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
     // half of the base. Otherwise the one in which 1 + d_y is larger.
     const Vec3 d_across = across_y(d) / sine;
     const double apart = near.cross(d_across).norm();
-    const double crossing = a.y() - near.dot(d_across) / sine * d.y(), side = y < crossing ? -1 : 1;
+    const double crossing = a.y() - near.dot(d_across) / sine * d.y();
+    double side = y < crossing ? -1 : 1;
+    // These lines end in tips, if there are any.
+    for (const BisectorTip& tip : bisector_tips(problem, form))
+        if (tip.u.dot(middle) > 0 && pierces_base(problem, form)) side = y < tip.y ? -1 : 1;
     const double beyond = sine * (y - crossing);
     const bool is_near = (apart - delta) * (apart + delta) < singular * beyond * beyond;
     // With 1 + |d_y| the lines leave the base's axis by that much over sine for each length along it, from
@@ -231,15 +221,22 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
         return set_plane(Vec3(0, crossing, 0), (side * Vec3(d.x(), fall, d.z())).normalized());
     }
 
-    set_degree(2, 2, Terms::Product);
     const Vec3 x = across(Vec3::UnitY(), middle);
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
-    const double scale = d.y() > 0 ? 1 / (1 + d.y()) : (1 - d.y()) / (sine * sine);
-    along_ = scale * (d + Vec3::UnitY());
-    along_start_ = -along_.dot(a);
-    set_coordinates(PatchCoordinate::half_angle(origin_, x, axes_[1], 0));
-    // w = q.n + delta W, t = C W / (2 w) and y w = (start + v) w - C n.d' / (2 (1 + d_y)).
-    const double start = a.y() + scale * a.dot(across_y(d));
+    set_between_axes(Vec3::UnitY(), d, a, delta);
+}
+
+// w = q.n + delta W, t = C W / (2 w) and y w = (start + v) w - C n.d' / (2 (1 + d_y)), y along b from the
+// origin.
+void RadialPatch::set_between_axes(const Vec3& b, const Vec3& d, const Vec3& point, double delta) {
+    set_degree(2, 2, Terms::Product);
+    const Vec3 a = point - origin_, near = a - a.dot(b) * b, d_across = d - d.dot(b) * b;
+    const double sine = d_across.norm(),
+                 scale = d.dot(b) > 0 ? 1 / (1 + d.dot(b)) : (1 - d.dot(b)) / (sine * sine);
+    along_ = scale * (d + b);
+    along_start_ = -along_.dot(point);
+    set_coordinates(PatchCoordinate::half_angle(origin_, axes_[0], axes_[1], 0));
+    const double start = a.dot(b) + scale * a.dot(d_across);
     const Polynomial half_C{0.5 * (near.norm() - delta) * (near.norm() + delta), near.dot(d),
                             0.5 * sine * sine};
     const auto normal_times = [&](const Vec3& p) -> Polynomial {
@@ -250,14 +247,34 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, const Cylinde
     w[0] += delta;
     w[2] += delta;
     const Polynomial turn = normal_times(d);
-    const Vector4d y_axis = vector(Vec3::UnitY());
-    add(w, one, weight);
-    add(turn, linear, weight);
-    add(w, {start, 1, 0}, y_axis);
-    add(turn, {0, start, 1}, y_axis);
-    add(turn, half_C, -scale * y_axis);
+    const Vector4d along_b = vector(b), from = vector(origin_) + weight;
+    add(w, one, from);
+    add(turn, linear, from);
+    add(w, {start, 1, 0}, along_b);
+    add(turn, {0, start, 1}, along_b);
+    add(turn, half_C, -scale * along_b);
     add(angle_cos, half_C, vector(axes_[0]));
     add(angle_sin, half_C, vector(axes_[1]));
+}
+
+// The same with the roles of both tubes exchanged: points are t - R0 + rho from the object's axis, and t is
+// R0 - rho more. Of both signs of the base's axis that is taken for which lines v = const that run into the
+// tip are on the other half.
+RadialPatch RadialPatch::around_tip(const RadialBaseProblem& problem, FormId form, const Vec3& middle,
+                                    bool is_far) {
+    const auto& tube = std::get<Cylinder>(problem.objects[form]);
+    const double apart = problem.chart.radius - tube.radius;
+    const Vec3 b = tube.axis.normalized(), across = across_y(b);
+    // The foot of the common perpendicular.
+    const Vec3 o = tube.point - b * (across.dot(tube.point) / across.squaredNorm());
+    RadialPatch patch;
+    const Vec3 x = radial_patch_terms::across(b, middle);
+    patch.set_axes(Kind::AboutObject, x, x.cross(b), o);
+    const double side = is_far ? 1 : -1;
+    patch.set_between_axes(b, side * middle.y() < 0 ? Vec3(-Vec3::UnitY()) : Vec3(Vec3::UnitY()),
+                           {0, o.y(), 0}, apart);
+    patch.set_coordinates(PatchCoordinate::half_angle(o, x, patch.axes_[1], -apart));
+    return patch;
 }
 
 }  // namespace vcell

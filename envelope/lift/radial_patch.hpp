@@ -39,6 +39,14 @@
 /// S = c + v d + (|c|^2 - delta^2 + v^2) n / (-2 (c.n + delta W)), (2, 2). The bisector is met where c.n <
 /// -delta W, an interval about 0: no pole comes near.
 ///
+/// *Tubes that pierce the base* have delta < 0 and bisectors with two tips on their axes, which they open from. Over a
+/// sphere base they are AboutObject in the same form, all around the axis, u = 0 in the direction from that to the
+/// face, in several patches: in a tip v is one and the same for all u. Over a cylinder base faces on both sides of a tip
+/// are AboutObject, too, with the roles of both tubes exchanged in what is said of cylinders below: |S| across the
+/// base's axis is t - delta at the distance t from the object's. v is the same, and constant in the tip. Two of the
+/// lines on which it is constant run into each tip, one for either sign of d, and a patch is for the half of all
+/// directions in which the other one lies.
+///
 /// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite
 /// is the only one that a patch lacks. Their weights are positive all over, those of control points over a
 /// wide rectangle in a higher degree only, which patch() then has. Hollow cylinders are AboutObject with
@@ -86,22 +94,17 @@
 #pragma once
 
 #include <array>
-#include <cmath>
-#include <cstdint>
 #include <optional>
 #include <string_view>
 
 #include "../../primitives/bases/radial_base.hpp"
-#include "biquadratic_surface.hpp"
-#include "patch_coordinate.hpp"
+#include "coordinate_surface.hpp"
 #include "skew_axes.hpp"
 
 namespace vcell {
 
-class RadialPatch : public BiquadraticSurface {
+class RadialPatch : public CoordinateSurface {
 public:
-    enum class Kind : std::uint8_t { Planar, Graph, Stereographic, Confocal, AboutObject, AboutBase };
-
     RadialPatch() = default;
     /// The patch of a form over a face. `middle`: a unit normal of the base in the middle of the face; of
     /// hollow tubes and cones a direction from their axis there. On
@@ -113,90 +116,36 @@ public:
     RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
                 bool wide = false);
     explicit RadialPatch(const SkewAxes& axes);
-    Kind kind() const { return kind_; }
-
+    /// About the axis of a tube that pierces a cylinder base, beyond the tip that lies farther along it or
+    /// the other one. `middle`: a direction from it; for the half of directions that have its sign along the
+    /// base's axis.
+    static RadialPatch around_tip(const RadialBaseProblem& problem, FormId form, const Vec3& middle,
+                                  bool is_far);
     /// A cylinder's patch may be for half of a cylinder base only: n.half() >= 0 for its normals n.
     const std::optional<Vec3>& half() const { return half_; }
-    /// parameters() from axes and origin: with q = p - origin() and its components (x, y, z) along the axes,
-    /// (u, v) is (x, y) on Planar and Graph, (x, y) / (|q| + z) on Stereographic, (|q| + z, y) on Confocal;
-    /// on AboutObject and AboutBase u = y / (|(x, y)| + x), and v is linear in p and, of vessels, in |(x,
-    /// y)|.
-    const std::array<Vec3, 3>& axes() const { return axes_; }
-    const Vec3& origin() const { return origin_; }
-    /// What v is per length, on AboutObject and AboutBase.
-    const Vec3& along() const { return along_; }
-
-    /// The parameters of a point of the bisector, in any number type with sqrt(); on
-    /// Stereographic a function of the point's direction from the centre alone.
-    /// u of AboutObject and AboutBase is singular at the pole, half a turn away from 0.
-    template <class T>
-    std::array<T, 2> parameters(const std::array<T, 3>& p) const;
-    Vec2 parameters(const Vec3& p) const {
-        const auto [u, v] = parameters<double>({p.x(), p.y(), p.z()});
-        return {u, v};
-    }
-
-    /// The parameters in space. But on AboutObject and AboutBase both have one divisor, and along rational
-    /// curves (p, t) degree and weights of these.
-    const PatchCoordinates& coordinates() const { return coordinates_; }
-    /// (u w, v w, w) there, of a point times its weight; some w > 0.
-    Eigen::Vector3d projected(const Eigen::Vector4d& x, double weight) const {
-        const auto& [u, v] = coordinates_;
-        return {PatchCoordinate::value(u.numerator, x, weight),
-                PatchCoordinate::value(v.numerator, x, weight), PatchCoordinate::value(u.divisor, x, weight)};
-    }
 
 private:
-    void set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin);
-    /// v is linear as along_, along_start_ and along_across_ have it.
-    void set_coordinates(const PatchCoordinate& u);
     void set_plane(const Vec3& point, const Vec3& normal);
     void set_paraboloid(double distance, const Vec3& normal, double radius);
     void set_stereographic(const Vec3& c, double delta, double power, const Vec3& middle, bool wide);
     void set_confocal(const Vec3& z, double length, double delta, double power, const Vec3& middle);
-    /// middle: where the face of a hollow tube is; of others null.
-    void set_about_object(const Vec3& axis, const Vec3& point, double delta, const Vec3* middle = nullptr);
+    /// side: -1 in a hollow tube. middle: where the face of one is, or of a tube that pierces the base; of
+    /// others null.
+    void set_about_object(const Vec3& axis, const Vec3& point, double delta, double side, const Vec3* middle);
     void set_in_sphere(const Vec3& c, double delta, double power, const Vec3& middle);
     void set_in_cone(const HollowCone& vessel, double radius, const Vec3& middle);
     void set_about_base(const Vec3& middle, const Vec3& b, double b0, const std::array<double, 3>& C,
                         double start = 0);
     void set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y);
-    void set_about_axes(const RadialBaseProblem& problem, const Cylinder& cylinder, const Vec3& middle,
-                        double y, bool wide);
+    void set_about_axes(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
+                        bool wide);
+    /// About the axis through the origin along the unit vector b, of points that are so far from it and
+    /// `delta` more from that through `point` along d.
+    void set_between_axes(const Vec3& b, const Vec3& d, const Vec3& point, double delta);
     /// Adds half of `power` times n of stereographic coordinates about z.
     void add_direction(double power, const Vec3& z);
 
-    Kind kind_ = Kind::Planar;
-    // Of the inverse: axes and where they start; v = along_.p + along_start_ where it is a length along an
-    // axis, and along_across_ of the distance from it more along or in a cone.
-    std::array<Vec3, 3> axes_{};
-    Vec3 origin_ = Vec3::Zero(), along_ = Vec3::Zero();
-    double along_start_ = 0, along_across_ = 0;
     std::optional<Vec3> half_;
-    PatchCoordinates coordinates_;
 };
-
-template <class T>
-std::array<T, 2> RadialPatch::parameters(const std::array<T, 3>& p) const {
-    using std::sqrt;
-    const auto along = [](const Vec3& axis, const T& x, const T& y, const T& z) {
-        return T(axis.x()) * x + T(axis.y()) * y + T(axis.z()) * z;
-    };
-    const T qx = p[0] - T(origin_.x()), qy = p[1] - T(origin_.y()), qz = p[2] - T(origin_.z());
-    const T x = along(axes_[0], qx, qy, qz), y = along(axes_[1], qx, qy, qz);
-    if (kind_ == Kind::Planar || kind_ == Kind::Graph) return {x, y};
-    if (kind_ == Kind::Stereographic) {
-        const T reach = sqrt(qx * qx + qy * qy + qz * qz) + along(axes_[2], qx, qy, qz);
-        return {x / reach, y / reach};
-    }
-    if (kind_ == Kind::Confocal) {
-        // Towards the focal direction the sum cancels.
-        const T z = along(axes_[2], qx, qy, qz), length = sqrt(qx * qx + qy * qy + qz * qz);
-        if (z > T(0.0)) return {length + z, y};
-        return {(x * x + y * y) / (length - z), y};
-    }
-    const T wide = sqrt(x * x + y * y);
-    return {y / (wide + x), along(along_, p[0], p[1], p[2]) + T(along_start_) + T(along_across_) * wide};
-}
 
 }  // namespace vcell

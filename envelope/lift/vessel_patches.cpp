@@ -62,12 +62,12 @@ void RadialPatch::set_in_vessel(const RadialBaseProblem& problem, FormId form, c
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
     const double rise = -f.slope;
     double k = rise < 0 ? -f.spread() : f.spread(), m = rise + k;
-    const std::vector<VesselTip> tips = vessel_tips(problem, form);
-    for (const VesselTip& tip : tips) {
+    const std::vector<BisectorTip> tips = bisector_tips(problem, form);
+    for (const BisectorTip& tip : tips) {
         const bool falls = (f.a.dot(tip.u) + f.a0) * m > 0, is_below = tip.y < y;
         if (falls != is_below) continue;
         Vec3 toward = tip.u;
-        for (const VesselTip& other : tips)
+        for (const BisectorTip& other : tips)
             if (&other != &tip) toward -= other.u;
         if (toward.isZero(0)) toward = tip.u;
         toward.normalize();

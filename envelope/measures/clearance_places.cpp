@@ -139,14 +139,17 @@ void add_places_at_wall(const Core& base, const HollowCone& cone, std::vector<Ve
         add(cosine * toward + sense * std::sqrt(1 - cosine * cosine) * aside);
 }
 
-// Tips: places of a hollow tube's or cone's axis that are as far from the wall as from the base.
-void add_tips(const Core& base, const Core& vessel, std::vector<Vec3>& places) {
-    const Vec3 w = vessel.along[0], m = base.across(vessel.point - base.point), v = base.across(w);
-    const double sine = vessel.cone != nullptr ? vessel.cone->sine() : 0;
-    const auto both = tips_along(m, v, sine, vessel.radius + base.radius);
+// Tips: places of a tube's or cone's axis that are as far from the object, or the vessel's wall, as from the
+// base.
+void add_tips(const Core& base, const Core& object, std::vector<Vec3>& places) {
+    const Vec3 w = object.along[0], m = base.across(object.point - base.point), v = base.across(w);
+    const double sine = object.cone != nullptr ? object.cone->sine() : 0,
+                 reach = object.is_hollow ? base.radius + object.radius : base.radius - object.radius;
+    if (!(reach > 0)) return;
+    const auto both = tips_along(m, v, sine, reach);
     if (!both) return;
     for (const double h : *both) {
-        const Vec3 p = vessel.point + h * w;
+        const Vec3 p = object.point + h * w;
         if (p.allFinite()) places.push_back(p);
     }
 }
@@ -283,7 +286,7 @@ private:
             add_places_at_wall(base_, *object.cone, places);
         else
             add_places_head_on(base_, object, 0.5 * (scene_.box.min + scene_.box.max), places);
-        if (object.is_hollow && object.dimension == 1) add_tips(base_, object, places);
+        if (object.dimension == 1) add_tips(base_, object, places);
         return places;
     }
 

@@ -78,7 +78,7 @@ Share ConeFace::until(const Foot& f, double y) const {
 }
 
 // The tip is at l = K h, h its distance from the apex. Sizes as in size().
-Share ConeFace::until_tip(const VesselTip& tip) const {
+Share ConeFace::until_tip(const BisectorTip& tip) const {
     const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
     const double l = K * (h0 + axis.dot(tip.point()));
     const Share sum = sum_around([&](double cosine, double sine) -> Share {

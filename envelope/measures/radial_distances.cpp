@@ -69,7 +69,7 @@ std::vector<Vec3> farthest_places(const RadialBaseProblem& problem, FormId form)
     std::vector<Vec3> places;
     if (problem.family.forms.empty() || std::holds_alternative<HollowSphere>(vessel))
         places = places_head_on(vessel, problem.chart);
-    for (const VesselTip& tip : vessel_tips(problem, form)) places.push_back(tip.point());
+    for (const BisectorTip& tip : bisector_tips(problem, form)) places.push_back(tip.point());
     return places;
 }
 
@@ -152,7 +152,7 @@ void RadialDistances::add_farthest(const RadialBaseProblem& problem, FormId form
     }
 }
 
-void RadialDistances::add_tip(const VesselTip& tip, const Object& object) {
+void RadialDistances::add_tip(const BisectorTip& tip, const Object& object) {
     add(tip.reach, tip.reach, 32 * u * (tip.reach + distance_of_point(object)));
 }
 

@@ -18,7 +18,7 @@ public:
     /// Where a form's bisector is nearest and farthest, if the cell is there; `least`: its least distance.
     void add_bisector(const RadialBaseProblem& problem, FormId form, double least);
     /// A tip of the bisector with an object, within its face.
-    void add_tip(const VesselTip& tip, const Object& object);
+    void add_tip(const BisectorTip& tip, const Object& object);
 
     /// The clearances that a base of that radius has, with their errors.
     void set_clearances(double radius, Measures& measures) const;

@@ -148,7 +148,7 @@ Share TubeFace::size(const Ray& ray) const {
 
 // At alpha E^2 is |c|^2 + delta^2 - 2 |c| delta cos alpha, of which no term is less than 0. Sizes are those
 // of terms, times the condition of q.
-Share TubeFace::until_tip(const VesselTip& tip) const {
+Share TubeFace::until_tip(const BisectorTip& tip) const {
     const double end = (tip.is_far ? 1 : -1) * sqrt(-K), most = std::max(std::abs(first), std::abs(end)),
                  size_of_K = std::abs(K);
     const Share sum = sum_around([&](double cosine, double) -> Share {
@@ -278,8 +278,16 @@ AxesApart::AxesApart(const Vec3& any, const Vec3& axis) {
     apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
 }
 
-SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face)
-    : side(1), origin(0), far_y(0), far_t(1), far_u(Vec3::Zero()), start(face.near.y()), least(infinity) {
+SkewFace::SkewFace(const RadialBaseProblem& problem, FormId form, const Cylinder& cylinder,
+                   const Around& face)
+    : side(1),
+      origin(0),
+      far_y(0),
+      far_t(1),
+      far_u(Vec3::Zero()),
+      start(face.near.y()),
+      least(infinity),
+      tips(bisector_tips(problem, form)) {
     const Vec3 axis = cylinder.axis.normalized(), point = cylinder.point - axis.dot(cylinder.point) * axis;
     const double delta = cylinder.radius - problem.chart.radius;
     c0 = (point.norm() - delta) * (point.norm() + delta);
@@ -294,6 +302,8 @@ SkewFace::SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, c
     const auto [foot, apart, square] = AxesApart(cylinder.point, axis);  // C is least at the foot
     if (foot >= problem.stretch[0] && foot <= problem.stretch[1] && apart > std::abs(delta))
         least = 0.5 * (apart - delta);
+    for (const BisectorTip& tip : tips)
+        if (tip.y >= problem.stretch[0] && tip.y <= problem.stretch[1]) least = tip.reach;
     // Where the axes are |delta| apart, or nearly so, C all but vanishes at the foot. Next to one direction,
     // in which A and B do so too, t grows beyond all bounds with the distance from the foot, and so does what
     // stands between a face and any other height.
@@ -311,7 +321,7 @@ SkewFace::SkewFace(const RadialBaseProblem& problem, FormId vessel, const Around
       origin(std::clamp(face.near.y(), problem.stretch[0], problem.stretch[1])),
       start(origin),
       least(infinity),
-      tips(vessel_tips(problem, vessel)) {
+      tips(bisector_tips(problem, vessel)) {
     const AxialTerms terms(problem, vessel, origin);
     c0 = terms.c[0];
     c1 = terms.c[1];
@@ -528,7 +538,7 @@ bool SkewFace::may_pass_tip(const span_integrals::PowerSpan& span) const {
     const auto control = span.control_points();
     const std::span points(control.data(), static_cast<std::size_t>(span.degree()) + 1);
     if (!std::ranges::all_of(points, [](const Vector4d& p) { return p.w() > 0; })) return true;
-    return std::ranges::any_of(tips, [&](const VesselTip& tip) {
+    return std::ranges::any_of(tips, [&](const BisectorTip& tip) {
         double least = infinity, most = -infinity;
         for (const Vector4d& p : points) {
             const double across = (tip.u.z() * p.x() - tip.u.x() * p.z()) / p.w();
@@ -566,7 +576,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
     if (is_skew) {
         if (const auto flat = FlatFace::between_crossing(problem, *cylinder, face.near)) return *flat;
-        return SkewFace(problem, *cylinder, face);
+        return SkewFace(problem, form, *cylinder, face);
     }
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
     return TurnedFace(problem, form, face);

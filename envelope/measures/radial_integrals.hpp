@@ -177,11 +177,14 @@ struct TubeFace {
     double side;              ///< -1: hollow
 
     TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
-    double least_distance() const { return 0.5 * std::abs(side * length - delta); }
+    /// Of a tube that pierces the base that of its tips.
+    double least_distance() const {
+        return side > 0 && K < 0 ? -delta : 0.5 * std::abs(side * length - delta);
+    }
     /// What lies between the place where integrals start and a hollow one's tip, all around the axis. A
     /// face that holds the tip has it besides what its edges add up to. Truncation is estimated from two
     /// rules, rounding is to first order, doubled.
-    Share until_tip(const VesselTip& tip) const;
+    Share until_tip(const BisectorTip& tip) const;
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
@@ -205,7 +208,7 @@ struct ConeFace {
     ConeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const;
     /// As of a TubeFace.
-    Share until_tip(const VesselTip& tip) const;
+    Share until_tip(const BisectorTip& tip) const;
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;
@@ -281,9 +284,9 @@ struct SkewFace {
     Vec3 far_u;
     double start;
     double least;
-    std::vector<VesselTip> tips;  ///< of the whole bisector
+    std::vector<BisectorTip> tips;  ///< of the whole bisector
 
-    SkewFace(const RadialBaseProblem& problem, const Cylinder& cylinder, const Around& face);
+    SkewFace(const RadialBaseProblem& problem, FormId form, const Cylinder& cylinder, const Around& face);
     /// Takes the face of a hollow tube or cone, with the coefficients of AxialTerms.
     SkewFace(const RadialBaseProblem& problem, FormId vessel, const Around& face);
     double least_distance() const { return least; }

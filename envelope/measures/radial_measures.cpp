@@ -14,7 +14,7 @@
 #include "../../core/small_vector.hpp"
 #include "../../core/threads.hpp"
 #include "../lift/face_loops.hpp"
-#include "../lift/vessel_turns.hpp"
+#include "../lift/object_turns.hpp"
 #include "../room_at.hpp"
 #include "radial_distances.hpp"
 #include "radial_integrals.hpp"
@@ -357,7 +357,7 @@ private:
         const FaceLoops loops(diagram_);
         const radial::FaceTips tips(of, loops);
         for (const FaceId face : diagram_.face_forms.ids())
-            for (const VesselTip& tip : tips[face]) {
+            for (const BisectorTip& tip : tips[face]) {
                 const std::uint32_t f = cell_faces_[face.value];
                 tip_face(f, [&](const auto& surface) {
                     const radial_integrals::Share share = surface.until_tip(tip);

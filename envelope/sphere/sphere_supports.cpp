@@ -111,14 +111,14 @@ SphereSupports::SphereSupports(const FormFamily& family) {
             -2 * support_rounding * h * (std::abs(f.a) + std::abs(f.b) + std::abs(f.e) + std::abs(f.k));
     }
     for (const RadialForm& f : family.radial) {
-        const double C = f.c[0].enclosure().mid(), root = std::sqrt(C);
+        const double C = f.c[0].enclosure().mid(), root = std::sqrt(std::abs(C));
         Cylinder c{{{}, f.b0.enclosure().mid() / C}, {{}, f.a0.enclosure().mid() / root}, 0};
         for (int i = 0; i < 3; ++i) {
             c.b.p[i] = f.b[i].enclosure().mid() / C;
             c.a.p[i] = f.a[i].enclosure().mid() / root;
         }
         c.rounding = support_rounding * (3 * magnitude(c.b) + 2 * magnitude(c.a));
-        c.is_hollow = f.is_hollow;
+        c.tip_side = f.is_hollow ? 1 : C < 0 ? -1 : 0;
         cylinders_.push_back(c);
     }
 }
@@ -130,7 +130,7 @@ SphereSupports::SphereSupports(const FormFamily& family) {
 Support SphereSupports::over(FormId f, const NormalBox& box) const {
     if (is_circular(f)) return circular_[f.value];
     const Cylinder& c = cylinder(f);
-    if (c.is_hollow) return over(c, box);
+    if (c.tip_side != 0) return over(c, box);
     const double B = box.value(c.b), A = box.value(c.a), w = std::sqrt(B * B + A * A);
     const double cosine = w > 0 ? B / w : 1, sine = w > 0 ? A / w : 0;
     const NormalFunction along = combination(cosine, c.b, sine, c.a),
@@ -165,7 +165,8 @@ Support SphereSupports::over(const Cylinder& c, const NormalBox& box) {
     const double variation = box.variation(growth), middle = box.value(along),
                  least_along = middle - variation - unsure,
                  most_across = std::abs(box.value(across)) + box.variation(turn) + unsure;
-    Support out{combination(1, c.b, 1, along), middle + variation + unsure, {infinity, infinity}, unsure};
+    Support out{
+        combination(1, c.b, c.tip_side, along), middle + variation + unsure, {infinity, infinity}, unsure};
     if (least_along > most_across) {
         const double part = most_across / least_along, cosine = std::sqrt((1 - part) * (1 + part));
         out.excess = most_across * part / (1 + cosine);
@@ -174,7 +175,7 @@ Support SphereSupports::over(const Cylinder& c, const NormalBox& box) {
                 outwards * part / cosine * (part / (1 + cosine) * growth.steepest(i) + turn.steepest(i));
     }
     out.excess *= outwards;
-    out.plane.s -= out.excess;
+    if (c.tip_side > 0) out.plane.s -= out.excess;
     return out;
 }
 
@@ -182,12 +183,13 @@ double SphereSupports::value(FormId f, const PointNormal& n) const {
     const auto at = [&](const NormalFunction& l) { return NormalBox::dot(l, n.u) + l.s; };
     if (is_circular(f)) return -at(circular_[f.value].plane);
     const double b = at(cylinder(f).b), a = at(cylinder(f).a);
-    if (cylinder(f).is_hollow) return -(b + std::sqrt(std::max(0.0, (b - a) * (b + a))));
+    if (const int side = cylinder(f).tip_side; side != 0)
+        return -(b + side * std::sqrt(std::max(0.0, (b - a) * (b + a))));
     return -(b + std::sqrt(b * b + a * a));
 }
 
 // D^2 = (B' - A') (B' + A') errs by the rounding of both factors, and D by no more than the root of that.
-double SphereSupports::hollow_error(const Cylinder& c, const PointNormal& n) {
+double SphereSupports::error_by_tips(const Cylinder& c, const PointNormal& n) {
     const double b = NormalBox::dot(c.b, n.u) + c.b.s, a = NormalBox::dot(c.a, n.u) + c.a.s,
                  D = std::sqrt(std::max(0.0, (b - a) * (b + a))),
                  of_square = 4 * c.rounding * (std::abs(b) + std::abs(a) + c.rounding);
@@ -204,9 +206,10 @@ std::array<double, 3> SphereSupports::jet(FormId f, const PointNormal& n) const 
     } else {
         const Cylinder& c = cylinder(f);
         const auto b = gradient(c.b), a = gradient(c.a);
-        const double w = c.is_hollow ? std::sqrt(std::max(0.0, (b[0] - a[0]) * (b[0] + a[0])))
-                                     : std::hypot(b[0], a[0]),
-                     cosine = b[0] / w, sine = (c.is_hollow ? -a[0] : a[0]) / w;
+        const double w = c.tip_side != 0
+                             ? c.tip_side * std::sqrt(std::max(0.0, (b[0] - a[0]) * (b[0] + a[0])))
+                             : std::hypot(b[0], a[0]),
+                     cosine = b[0] / w, sine = (c.tip_side != 0 ? -a[0] : a[0]) / w;
         q = {b[0] + w, b[1] + cosine * b[1] + sine * a[1], b[2] + cosine * b[2] + sine * a[2]};
     }
     return {-q[0], -q[1], -q[2]};

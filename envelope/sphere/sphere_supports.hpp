@@ -7,9 +7,10 @@
 ///
 /// both linear in u. For every unit vector e it is at least B' + e.w, with equality where w is along e: the
 /// graph has supporting planes all over. (Of hollow cylinders q = B' + sqrt(B'^2 - A'^2), and the planes lie
-/// above: for every hyperbolic turn e it is at most B' + (e_1 B' - e_2 A').) The difference of two of them is
-/// a circular form, whose sign over a box of the chart is known but for rounding. The remainder is of second
-/// order in the box's size.
+/// above: for every hyperbolic turn e it is at most B' + (e_1 B' - e_2 A'). Of cylinders that pierce the
+/// base, where C < 0 and A' = A / (sqrt(-C) W), q = B' - sqrt(B'^2 - A'^2), and they lie below.) The
+/// difference of two of them is a circular form, whose sign over a box of the chart is known but for
+/// rounding. The remainder is of second order in the box's size.
 ///
 /// Everything is computed in doubles with bounds for their rounding. Near points where forms tie it is theirs
 /// that counts: there interval arithmetic on the heights themselves sees more.
@@ -118,18 +119,19 @@ public:
     double value(FormId f, const PointNormal& n) const;
     double value_error(FormId f, const PointNormal& n) const {
         if (is_circular(f)) return circular_[f.value].rounding;
-        return cylinder(f).is_hollow ? hollow_error(cylinder(f), n) : cylinder(f).rounding;
+        return cylinder(f).tip_side != 0 ? error_by_tips(cylinder(f), n) : cylinder(f).rounding;
     }
 
 private:
     struct Cylinder {
         NormalFunction b, a;
         double rounding;
-        bool is_hollow = false;
+        /// Of the root in q = B' + sqrt(B'^2 - A'^2); 0: |w|.
+        int tip_side = 0;
     };
     bool is_circular(FormId f) const { return f.value < circular_.size(); }
-    static Support over(const Cylinder& hollow, const NormalBox& box);
-    static double hollow_error(const Cylinder& hollow, const PointNormal& n);
+    static Support over(const Cylinder& with_tips, const NormalBox& box);
+    static double error_by_tips(const Cylinder& with_tips, const PointNormal& n);
     const Cylinder& cylinder(FormId f) const { return cylinders_[f.value - circular_.size()]; }
 
     std::vector<Support> circular_;

@@ -131,6 +131,7 @@ Interval greatest(std::vector<EdgeStretch> parts, const Heights& heights, double
 struct Nearest {
     Interval half_distance;
     std::optional<bool> is_inside;
+    bool is_in_tip = false;  ///< of a tube that pierces the base: then the cell is known to be there, too
 };
 
 std::optional<bool> lies_within(Interval x, Interval low, Interval high) {
@@ -192,6 +193,25 @@ std::optional<bool> is_bounded(const Subject& subject, const Site& site, const V
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
         if (scene.competes(i) && !(site.is_object() && scene.objects[i] == scene.objects[site.index]))
             meet(subject.space.object_excess(i, p, clearance));
+    return result;
+}
+
+/// Is one of a bisector's tips over the region and, where rays come in through sides of the box, bounded
+/// there?
+std::optional<bool> is_tip_inside(const Subject& subject, const Site& site) {
+    std::optional<bool> result = false;
+    for (const Tip& tip : tips_of(subject.space, subject.cell.scene.objects[site.index])) {
+        std::optional<bool> is_inside = true;
+        for (std::uint32_t end = 0; std::holds_alternative<Cylinder>(subject.cell.scene.base) && end < 2;
+             ++end) {
+            const Interval room = subject.space.inside_end(end, tip.p);
+            if (room.upper() < 0) is_inside = false;
+            if (!(room.lower() >= 0) && is_inside == true) is_inside = std::nullopt;
+        }
+        if (is_inside != false && subject.part && subject.part->has_floor())
+            is_inside = is_bounded(subject, site, tip.p);
+        if (is_inside != false && result != true) result = is_inside;
+    }
     return result;
 }
 
@@ -442,12 +462,19 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             const Triad<Interval> d = frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff()),
                                   c = frame.point(tube.point);
             const Interval r = frame.length(tube.radius);
+            // So far apart are axes, or the ball's centre and the axis.
+            const auto beside = [&](const Interval& distance, std::optional<bool> is_inside) -> Nearest {
+                const Interval outside = 0.5 * (distance - r - radius), reach = radius - r;
+                if (!(reach.lower() > 0) || distance.lower() > reach.upper()) return {outside, is_inside};
+                if (distance.upper() < reach.lower()) return {-r, is_tip_inside(subject, site), true};
+                return {hull(outside, -r), std::nullopt, true};
+            };
             if (about_sphere) {
                 const Interval x = c[1] * d[2] - c[2] * d[1], y = c[2] * d[0] - c[0] * d[2],
                                z = c[0] * d[1] - c[1] * d[0];
                 const Interval distance =
                     sqrt((square(x) + square(y) + square(z)) / (square(d[0]) + square(d[1]) + square(d[2])));
-                return Nearest{0.5 * (distance - r - radius), true};
+                return beside(distance, true);
             }
             // The common perpendicular of two axes, the base's that of z.
             const Interval across = square(d[0]) + square(d[1]);
@@ -455,7 +482,7 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             const Interval cross = c[0] * d[1] - c[1] * d[0];
             const Interval distance = (cross.mid() < 0 ? -cross : cross) / sqrt(across);
             const Interval z = c[2] - (c[0] * d[0] + c[1] * d[1]) / across * d[2];
-            return Nearest{0.5 * (distance - r - radius), lies_within(z, low, high)};
+            return beside(distance, lies_within(z, low, high));
         }();
         const auto meet_farthest = [&] {
             for (const Farthest& farthest : farthest_in_vessel(subject, site, frame))
@@ -465,7 +492,7 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
         // Around a tube, and over a plane, there is always an edge.
         if (!std::holds_alternative<Sphere>(scene.base)) meet_farthest();
         if (!nearest || nearest->is_inside == false) continue;
-        if (subject.part && subject.part->has_floor()) {
+        if (subject.part && subject.part->has_floor() && !nearest->is_in_tip) {
             // Not all rays come into the box where they would meet the bisector.
             const auto p = nearest_beside_tube(subject.space, scene.objects[site.index]);
             nearest->is_inside = p ? is_bounded(subject, site, *p) : std::nullopt;

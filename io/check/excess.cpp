@@ -268,8 +268,13 @@ Interval ExcessAlong::of_round(const Surface& object) const {
     if (object.is_hollow) return in_vessel(object);
     const Form a = squared_distance(object);
     const Interval d = object.radius - base.radius;
-    const Interval distance = sqrt(a.range()) / w_, q = clearance_ + base.radius;
-    const Interval plain = distance - object.radius - clearance_, sum = distance + q + d;
+    const Interval distance = sqrt(a.range()) / w_;
+    Interval q = clearance_ + base.radius, sum = distance + q + d;
+    if (!(sum.lower() > 0) && d.upper() < 0) {  // next to a tip
+        q = intersection(clearance_, space_.clearance(net_.box())) + base.radius;
+        sum = distance + q + d;
+    }
+    const Interval plain = distance - q - d;
     if (!(sum.lower() > 0)) return plain;
     const Form w2 = square(weight_);
     const Form l = a - base_ - square(d) * w2;

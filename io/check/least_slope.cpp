@@ -1,5 +1,7 @@
 #include "least_slope.hpp"
 
+#include <algorithm>
+
 namespace vcell::check {
 
 namespace {
@@ -38,9 +40,13 @@ double least_slope(const Space<Interval>& space, std::uint32_t object, const Net
     const Vector<Interval> box = box_about(net.box(), margin);
     const Body &base = space.base(), own = space.object(object);
     const bool is_base_plane = base.kind == Body::Kind::plane, is_plane = own.kind == Body::Kind::plane;
-    if (own.is_hollow && own.kind == Body::Kind::cylinder)
-        return magnitude(own.sine - dot(own.direction, space.up(box))).lower();
-    if (own.is_hollow || (is_plane && (is_base_plane || !own.is_sided))) return 0;
+    // Along its axis distances from a tube do not change, and those from a cone's wall evenly, but the base's
+    // do.
+    const bool tells_along_axis = own.kind == Body::Kind::cylinder && (own.is_hollow || !is_base_plane);
+    const double along_axis =
+        tells_along_axis ? magnitude(own.sine - dot(own.direction, space.up(box))).lower() : 0;
+    if (own.is_hollow) return along_axis;
+    if (is_plane && (is_base_plane || !own.is_sided)) return 0;
     const Interval excess(-size, size);
     const auto way = [&](const Body& body) { return body.distance(box) + body.radius; };
     Interval squared;
@@ -55,7 +61,7 @@ double least_slope(const Space<Interval>& space, std::uint32_t object, const Net
         squared = (apart(base, own, net, margin, box) - square(own.radius - base.radius + excess)) /
                   (way(base) * way(own));
     }
-    return squared.lower() > 0 ? sqrt(Interval(squared.lower())).lower() : 0;
+    return squared.lower() > 0 ? std::max(along_axis, sqrt(Interval(squared.lower())).lower()) : along_axis;
 }
 
 }  // namespace vcell::check

@@ -14,10 +14,6 @@ namespace vcell::check {
 
 namespace {
 
-double middle(const MidRad& x) { return x.mid(); }
-double middle(const Disc& x) { return x.center(); }
-double middle(const Traced& x) { return x.range().center(); }
-
 template <class T>
 struct Height {
     T t, steepness;
@@ -68,22 +64,7 @@ Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u)
                 const T t = C / (beta - root);
                 return {t, sqrt(-2.0 * (t + T(equation.delta)) / root)};
             }
-            // The other form of the root, where this one would cancel.
-            const T t = [&] {
-                const auto first = [&] { return C / (beta + root); };
-                const auto second = [&] { return (root - beta) / square(alpha); };
-                if constexpr (std::is_same_v<T, Approximate>) {
-                    const T a = first(), b = second();
-                    return T::of([&](std::size_t k) { return beta[k] >= 0 ? a[k] : b[k]; });
-                } else {
-                    if constexpr (std::is_same_v<T, Traced>)  // values may have taken either form
-                        if (std::abs(beta.range().center()) <= beta.range().radius() + beta.error()) {
-                            const T a = first(), b = second();
-                            return T(a.range(), std::max(a.error(), b.error()));
-                        }
-                    return middle(beta) >= 0 ? first() : second();
-                }
-            }();
+            const T t = axial_root(C, beta, alpha, root);
             return {t, sqrt(2.0 * (t + T(equation.delta)) / root)};
         }
     }
@@ -423,6 +404,13 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
         fan.along_wall = 0.5 * (lowest + highest);
         return fan;
     }
+    if (equation->kind == Equation::Kind::tube && about_sphere) {
+        // From the centre no face has anything opposite to a tip, beyond the great circle in which the tube
+        // is met nowhere.
+        const auto& [x, y, z] = outline.points.front();
+        if (const auto pierced = Pierced::beyond(*equation, true, dot(equation->d, {x, y, z}).mid() > 0))
+            return Fan{Fan::Base::sphere, *equation, normalized(pierced->point()), std::nullopt, pierced};
+    }
     if (about_sphere) return revolved_about(*equation, frame.radius());
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (const auto& p : corners) {
@@ -432,8 +420,15 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     if (equation->kind == Equation::Kind::side) return flat(*equation, corners.front());
     const double start = 0.5 * (least + most);
     if (equation->kind == Equation::Kind::plane) return Tapered{*equation, start};
-    // A vessel's is within it there, as the face is.
     const bool is_tube = equation->kind == Equation::Kind::tube && !equation->is_hollow;
+    if (is_tube) {
+        const auto& [x, y, z] = outline.points.front();
+        const bool is_far = (equation->d[0] * x + equation->d[1] * y).mid() > 0;
+        const auto pierced = Pierced::beyond(*equation, false, is_far);
+        if (pierced && pierced->point()[2].mid() > least && pierced->point()[2].mid() < most)
+            return Fan{Fan::Base::cylinder, *equation, {0.0, 0.0, start}, std::nullopt, pierced};
+    }
+    // A vessel's is within it there, as the face is.
     return Fan{Fan::Base::cylinder,
                *equation,
                {0.0, 0.0, is_tube ? start_below_tube(*equation, least, most) : start}};
@@ -468,6 +463,14 @@ FanSection<T>::FanSection(const Fan& fan, const Place<T>& p) : fan_(fan) {
             const T t = height<T>(fan.equation, {T(0.0), T(0.0), T(0.0)}, scaled(share, n)).t;
             vessel_.emplace(fan.equation, *fan.along_wall, p, t);
         }
+        if (fan.pierced) {
+            const T share = T(1.0) / size_;
+            const Triad<T> u = scaled(share, n), foot{T(0.0), T(0.0), T(0.0)};
+            const T growth = dot(u, dn);
+            const Triad<T> du =
+                scaled(share, {dn[0] - growth * u[0], dn[1] - growth * u[1], dn[2] - growth * u[2]});
+            beyond_tip_.emplace(*fan.pierced, foot, foot, u, du, height<T>(fan.equation, foot, u).t);
+        }
         return;
     }
     // Between the start's height and the edge's, at the edge's angle: the face is on the left.
@@ -475,6 +478,13 @@ FanSection<T>::FanSection(const Fan& fan, const Place<T>& p) : fan_(fan) {
     rise_ = p.n[2] / p.w + T(MidRad(p.origin[2]) - fan.start[2]);
     turn_ = rise_ * (n[1] * dn[0] - n[0] * dn[1]) / s2;
     n_ = {n[0] / s, n[1] / s, T(0.0)};
+    if (fan.pierced) {
+        const T turn = (n[0] * dn[1] - n[1] * dn[0]) / s2, zero(0.0);
+        const Triad<T> foot{zero, zero, p.n[2] / p.w + T(p.origin[2])},
+            d_foot{zero, zero, (p.dn[2] - p.n[2] / p.w * p.dw) / p.w},
+            du{-(turn * n_[1]), turn * n_[0], zero};
+        beyond_tip_.emplace(*fan.pierced, foot, d_foot, n_, du, height<T>(fan.equation, foot, n_).t);
+    }
 }
 
 template <class T>
@@ -488,6 +498,10 @@ T FanSection<T>::shadow() const {
 
 template <class T>
 Densities<T> FanSection<T>::at(const T& sigma) const {
+    if (beyond_tip_) {
+        const auto [volume, area, steepness] = beyond_tip_->at(sigma);
+        return {volume, area, T(0.0), steepness};
+    }
     switch (fan_.base) {
         case Fan::Base::plane: {
             const T turn = sigma * turn_;

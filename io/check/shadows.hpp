@@ -27,6 +27,7 @@
 
 #include "equation.hpp"
 #include "frame.hpp"
+#include "pierced_section.hpp"
 #include "vessel_section.hpp"
 
 namespace vcell::check {
@@ -105,6 +106,8 @@ struct Fan {
     Triad<MidRad> start;
     /// About a sphere, in a hollow tube or cone: where volume and area start along the wall instead.
     std::optional<MidRad> along_wall = std::nullopt;
+    /// Of a tube that pierces the base: volume and area start in a tip.
+    std::optional<Pierced> pierced = std::nullopt;
 };
 
 /// What a site's equation is. None: on which side of a plane the base is cannot be told from the points,
@@ -154,6 +157,7 @@ private:
     T share_, tau2_, turn_of_tau_;
     T rise_;  ///< on a cylinder
     std::optional<VesselSection<T>> vessel_;
+    std::optional<PiercedSection<T>> beyond_tip_;
 };
 
 }  // namespace vcell::check

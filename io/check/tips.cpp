@@ -29,13 +29,17 @@ std::vector<Tip> tip_over_plane(const Surface<Interval>& base, const Surface<Int
 }  // namespace
 
 // A point k along the axis w from its point or apex is q + k a from the base's centre, or across the base's
-// axis, and is to be S k + rho away from there, rho the sum of the radii: (a^2 - S^2) k^2 + 2 (q a - S rho) k
+// axis, and is to be S k + rho away from there, rho the sum of the radii or, of a solid tube, what the base's
+// is more: (a^2 - S^2) k^2 + 2 (q a - S rho) k
 // + q^2 - rho^2 = 0.
 std::vector<Tip> tips_of(const Space<Interval>& space, const Object& object) {
-    if (!std::holds_alternative<HollowCylinder>(object) && !std::holds_alternative<HollowCone>(object))
-        return {};
     const Surface<Interval>&base = space.base(), vessel(object);
-    if (base.kind == Surface<Interval>::Kind::plane) return tip_over_plane(base, vessel);
+    const bool is_vessel =
+        std::holds_alternative<HollowCylinder>(object) || std::holds_alternative<HollowCone>(object);
+    if (base.kind == Surface<Interval>::Kind::plane)
+        return is_vessel ? tip_over_plane(base, vessel) : std::vector<Tip>();
+    const Interval zero(0.0), rho = is_vessel ? vessel.radius + base.radius : base.radius - vessel.radius;
+    if (!is_vessel && !(std::holds_alternative<Cylinder>(object) && rho.lower() > 0)) return {};
     const auto across = [&](const Vector<Interval>& v) {
         if (base.kind == Surface<Interval>::Kind::sphere) return v;
         return v - dot(v, base.direction) * base.direction;
@@ -43,9 +47,8 @@ std::vector<Tip> tips_of(const Space<Interval>& space, const Object& object) {
     const Vector<Interval>& w = vessel.direction;
     const Vector<Interval> point = near_base(base, vessel);
     const Vector<Interval> q = across(point - base.point), a = across(w);
-    const Interval zero(0.0), rho = vessel.radius + base.radius, squared = square(a) - square(vessel.sine),
-                              half = dot(q, a) - vessel.sine * rho, rest = square(q) - square(rho),
-                              discriminant = square(half) - squared * rest;
+    const Interval squared = square(a) - square(vessel.sine), half = dot(q, a) - vessel.sine * rho,
+                   rest = square(q) - square(rho), discriminant = square(half) - squared * rest;
     if (discriminant.upper() < 0) return {};
     const Interval root = sqrt(Interval(std::max(0.0, discriminant.lower()), discriminant.upper()));
     // One of both is without cancellation; the other one is what both make together over that.

@@ -64,10 +64,12 @@ public:
 
     double height(const Eigen::Vector3d& control) const { return (control[1 - angle_] - at_) / across_; }
 
-    // A straight line from the tip, or to it, all at one angle, with heights proportional to the parameter.
+    // A straight line from the tip, or to it, all at one angle, with heights proportional to the parameter
+    // but for the rounding of weights.
     bool is_straight(const RationalCurve2& c) const {
-        return c.degree == 1 && c.points.size() == 2 && c.points[0].z() == c.points[1].z() &&
-               is_at_one(c, angle_);
+        constexpr double rounding = 0x1p-44;
+        return c.degree == 1 && c.points.size() == 2 && is_at_one(c, angle_) &&
+               std::abs(c.points[0].z() - c.points[1].z()) <= rounding * c.points[0].z();
     }
 
     // No more than the height of any point of the curve.

@@ -55,7 +55,7 @@ std::optional<std::array<double, 2>> tips_along(const Vec3& q, const Vec3& a, do
 // A point of the vessel's axis h from its point or apex is q + h a away from the base's centre, or across its
 // axis, and is to be S h + R0 + R away, R = 0 in a cone. A tube's point may be any of its axis, and is the
 // one nearest to the canonical origin.
-std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form) {
+std::vector<BisectorTip> bisector_tips(const RadialBaseProblem& problem, FormId form) {
     const Object& object = problem.objects[form];
     Vec3 point, axis;
     double sine = 0, reach = problem.chart.radius;
@@ -63,6 +63,10 @@ std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form
         axis = tube->axis.stableNormalized();
         point = tube->point - axis.dot(tube->point) * axis;
         reach += tube->radius;
+    } else if (const auto* thin = std::get_if<Cylinder>(&object); thin != nullptr && thin->radius < reach) {
+        axis = thin->axis.stableNormalized();
+        point = thin->point - axis.dot(thin->point) * axis;
+        reach -= thin->radius;
     } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
         point = cone->apex;
         axis = cone->axis.stableNormalized();
@@ -74,7 +78,7 @@ std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form
     const Vec3 q(point.x(), along * point.y(), point.z()), a(axis.x(), along * axis.y(), axis.z());
     const auto both = tips_along(q, a, sine, reach);
     if (!both) return {};
-    std::vector<VesselTip> tips;
+    std::vector<BisectorTip> tips;
     for (const double h : *both) {
         const double far = sine * h + reach;
         const Vec3 out = q + h * a;

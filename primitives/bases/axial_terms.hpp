@@ -32,12 +32,13 @@ struct AxialTerms {
     double spread() const { return std::sqrt((1 - a0) * (1 + a0)); }
 };
 
-/// Where a hollow tube's or cone's axis is as far from the base as from its own wall, the bisector comes to a
-/// tip: in the direction u, `reach` away from the base's centre or axis; over a cylinder, over the axis's
-/// point at y, canonical. There the distance along the base's normals is continuous, but has no derivative.
-/// `is_far`: it is the one of both that lies farther along the vessel's own axis. None for other objects, and
-/// tubes along the base. To some roundings. Pre: over a sphere or a cylinder.
-struct VesselTip {
+/// Where the axis of a hollow tube or cone is as far from the base as from its own wall, or that of a tube
+/// that pierces the base as far within it as the tube is thick, the bisector comes to a tip: in the direction
+/// u, `reach` away from the base's centre or axis; over a cylinder, over the axis's point at y, canonical.
+/// There the distance along the base's normals is continuous, but has no derivative. `is_far`: it is the one
+/// of both that lies farther along the object's own axis. None for other objects, and tubes along the base.
+/// To some roundings. Pre: over a sphere or a cylinder.
+struct BisectorTip {
     double y, reach;
     Vec3 u;
     bool is_far;
@@ -49,6 +50,6 @@ struct VesselTip {
 /// is as far from the base as from the wall: the roots h of |q + h a| = sine h + reach, and of the same with
 /// the other sign, ascending; not finite where there is only one. None if there are no real ones.
 std::optional<std::array<double, 2>> tips_along(const Vec3& q, const Vec3& a, double sine, double reach);
-std::vector<VesselTip> vessel_tips(const RadialBaseProblem& problem, FormId form);
+std::vector<BisectorTip> bisector_tips(const RadialBaseProblem& problem, FormId form);
 
 }  // namespace vcell

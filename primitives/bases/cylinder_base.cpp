@@ -164,13 +164,15 @@ private:
     }
 
     // Likewise of a tube across the base, where the axes are nearest to each other: two of one radius may
-    // cross there.
+    // cross there, and a thinner one touch it from within.
     bool touched_before_turn(const Cylinder& cylinder) const {
         if (frame_.turn == 0) return false;
         const ExactVector d(scaled_axis(base_.axis)), e(scaled_axis(cylinder.axis)),
             n = cross(d, e), w = ExactVector(cylinder.point) - ExactVector(base_.point);
         const Exact square = dot(n, n), apart = dot(w, n), delta = Exact(cylinder.radius) - base_.radius;
-        if (square.sign() == Sign::Zero || (apart * apart - delta * delta * square).sign() == Sign::Positive)
+        const Sign room = (apart * apart - delta * delta * square).sign();
+        if (square.sign() == Sign::Zero || room == Sign::Positive ||
+            (room == Sign::Negative && cylinder.radius < base_.radius))
             return false;
         const Exact y = square * frame_.turned(frame_.from_origin(base_.point)).y +
                         dot(cross(w, e), n) * frame_.turned(d).y;
@@ -203,13 +205,14 @@ private:
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm f = world_form(cylinder);
-        if (!is_positive(forms_.form(f).c) || touched_before_turn(cylinder))
-            objects_.fail(
-                Kind::TouchesBase, i,
-                cylinder.radius >= base_.radius
-                    ? "contains a cross section of the base"
-                    : "lies in the base, or runs through it so near to its axis that base and cylinder "
-                      "have no bisector all around");
+        const RadialForm height = forms_.form(f);
+        const auto pierces = [&] {
+            return cylinder.radius < base_.radius && CylinderForms::has_two_roots(height.c);
+        };
+        if (!(is_positive(height.c) || pierces()) || touched_before_turn(cylinder))
+            objects_.fail(Kind::TouchesBase, i,
+                          cylinder.radius >= base_.radius ? "contains a cross section of the base"
+                                                          : "lies in the base, or touches it from within");
         objects_.cylinders.add(f, i);
     }
     void add(std::uint32_t i, const HollowSphere& vessel) {
@@ -241,15 +244,7 @@ private:
         const Exact along = dot(ExactVector(frame_.origin) - f.apex, f.a) + f.g * base_.radius;
         return (frame_.norm * along + y * frame_.turned(f.a).y).sign() == Sign::Positive;
     }
-    // Is c0 + c1 y + c2 y^2 positive all over the stretch?
-    bool is_positive(const std::array<Exact, 3>& c) const {
-        for (const double y : stretch_)
-            if ((c[0] + y * (c[1] + y * c[2])).sign() != Sign::Positive) return false;
-        const Exact slope0 = c[1] + 2.0 * Exact(stretch_[0]) * c[2],
-                    slope1 = c[1] + 2.0 * Exact(stretch_[1]) * c[2];
-        if (slope0.sign() != Sign::Negative || slope1.sign() != Sign::Positive) return true;
-        return (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Positive;
-    }
+    bool is_positive(const std::array<Exact, 3>& c) const { return CylinderForms::is_positive(c, stretch_); }
 
     template <class Tube>
     Tube canonical_tube(const Tube& tube, const CylinderForm& f) const {

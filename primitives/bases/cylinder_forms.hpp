@@ -163,6 +163,20 @@ struct CylinderForms {
         hollow.is_hollow = true;
         return hollow;
     }
+    /// Is C positive all over a stretch?
+    static bool is_positive(const std::array<Exact, 3>& c, const std::array<double, 2>& stretch) {
+        for (const double y : stretch)
+            if ((c[0] + y * (c[1] + y * c[2])).sign() != Sign::Positive) return false;
+        const Exact slope0 = c[1] + 2.0 * Exact(stretch[0]) * c[2],
+                    slope1 = c[1] + 2.0 * Exact(stretch[1]) * c[2];
+        if (slope0.sign() != Sign::Negative || slope1.sign() != Sign::Positive) return true;
+        return (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Positive;
+    }
+    /// Of a tube that is thinner than the base: does it pierce that, its axis nearer to the base's than radii
+    /// differ? C is less than 0 between two places then, and the bisector has tips.
+    static bool has_two_roots(const std::array<Exact, 3>& c) {
+        return c[2].sign() == Sign::Positive && (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Negative;
+    }
     static RadialForm turned_signs(RadialForm f) {
         for (Exact& c : f.c) c = -c;
         for (Exact& b : f.b) b = -b;

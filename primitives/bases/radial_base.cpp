@@ -10,6 +10,7 @@
 #include "../bisectors/bisector.hpp"
 #include "../forms/crossing.hpp"
 #include "cylinder_base.hpp"
+#include "cylinder_forms.hpp"
 #include "sphere_base.hpp"
 
 namespace vcell {
@@ -64,6 +65,20 @@ bool is_flat(const RadialBaseProblem& problem, FormId form) {
     if (cylinder == nullptr || chart.is_sphere() || cylinder->radius != chart.radius) return false;
     const bool is_parallel = cylinder->axis.x() == 0 && cylinder->axis.z() == 0;
     return is_parallel || meets_base_axis(*cylinder);
+}
+
+bool pierces_base(const RadialBaseProblem& problem, FormId form) {
+    if (problem.family.is_circular(form) || !std::holds_alternative<Cylinder>(problem.objects[form]))
+        return false;
+    const RadialForm& f = problem.family.radial_form(form);
+    if (problem.chart.is_sphere()) return f.c[0].sign() == Sign::Negative;
+    return f.has_root() && !CylinderForms::is_positive(f.c, problem.stretch);
+}
+
+bool may_have_tips(const RadialBaseProblem& problem) {
+    for (const FormId f : problem.objects.ids())
+        if (is_vessel(problem.objects[f]) || pierces_base(problem, f)) return true;
+    return false;
 }
 
 std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {

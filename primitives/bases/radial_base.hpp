@@ -14,8 +14,10 @@
 ///     inside of a cylinder            the same with rho = -R, C and B with their signs turned, and + A^2 in
 ///                                     the equation; of a cone as radial_form.hpp has it
 ///
-/// |n'| is told by two doubles. C > 0 all over the base: objects may overlap the base's body (clearance
-/// is then negative somewhere), but neither contain it nor lie in it; planes stay clear of it.
+/// |n'| is told by two doubles. C > 0 all over the base, but for a tube that *pierces* it: thinner than the
+/// base, with an axis nearer to the base's centre or axis than radii differ. Then C < 0, over a cylinder
+/// between two places. Objects may overlap the base's body (clearance is then negative somewhere), but
+/// neither contain it nor lie in it; planes stay clear of it.
 ///
 /// Over a sphere everything but a cylinder is a CircularForm in the stereographic chart; its pole is put
 /// where one object is nearest all around, so that no edge of the diagram comes near it.
@@ -85,9 +87,9 @@ struct RadialBaseProblem : BaseProblem {
 /// Throws InputError as plane_base_problem() does, by exact signs:
 ///   TouchesBase  a plane that cuts or touches the base's body (of a cylinder: the part over its stretch); a
 ///   ball or
-///                cylinder for which C > 0 does not hold: it contains the base's body (of a cylinder: one of
-///                its circles), lies in it, or runs through it near its centre or axis; a vessel that has all
-///                of the base, or of one of its circles, beyond its wall, or all but a point;
+///                cylinder that contains the base's body (of a cylinder: one of its circles), lies in it, or
+///                touches it from within: C > 0 does not hold, and it does not pierce the base; a vessel that
+///                has all of the base, or of one of its circles, beyond its wall, or all but a point;
 ///   EmptyBox     the base sphere's centre is not inside the box, a base cylinder's axis not inside the
 ///                sides along it (the base may reach beyond them: clearance is negative there), or no
 ///                stretch of the base cylinder is in the box;
@@ -114,6 +116,13 @@ inline bool is_wall(const RadialBaseProblem& problem, FormId f) {
 
 /// Is the bisector a plane (a side of the box included)? Exact.
 bool is_flat(const RadialBaseProblem& problem, FormId form);
+
+/// Is it a tube that pierces the base: thinner than that, with an axis nearer to the base's centre or axis
+/// than radii differ, over a cylinder somewhere in the stretch? C is less than 0 there, and the bisector has
+/// tips. Exact.
+bool pierces_base(const RadialBaseProblem& problem, FormId form);
+/// Is there such a tube, or a vessel?
+bool may_have_tips(const RadialBaseProblem& problem);
 
 /// The bisector's name for cell files, decided exactly: "box", "plane", "paraboloid", "hyperboloid",
 /// ... or "quartic" (primitives/bisectors/bisector.hpp).

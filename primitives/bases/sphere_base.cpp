@@ -233,12 +233,14 @@ private:
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm form = world_form(cylinder);
         // Independent of the chart, which is still the identity.
-        if (frame_.form(form).c[0].sign() != Sign::Positive)
-            objects_.fail(Kind::TouchesBase, i,
-                          cylinder.radius >= frame_.radius
-                              ? "contains the base"
-                              : "runs through the base so near to its centre that base and cylinder have no "
-                                "bisector all around");
+        const Sign room = frame_.form(form).c[0].sign();
+        if (room == Sign::Zero || (room == Sign::Negative && cylinder.radius >= frame_.radius))
+            objects_.fail(
+                Kind::TouchesBase, i,
+                cylinder.radius >= frame_.radius
+                    ? "contains the base"
+                    : "runs through the base and touches it from within: along a ray from the base's centre "
+                      "it is as far as the base");
         objects_.cylinders.add(form, i);
     }
 

@@ -12,7 +12,7 @@ namespace vcell {
 double nearness_of(const Nearness::Cylindrical& f, const Vec3& u) {
     const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u) - f.sine;
     if (f.is_hollow) return (beta + std::sqrt(std::max(0.0, beta * beta - f.C * alpha * alpha))) / f.C;
-    const double root = std::sqrt(beta * beta + f.C * alpha * alpha);
+    const double root = std::sqrt(std::max(0.0, beta * beta + f.C * alpha * alpha));
     return beta >= 0 ? (beta + root) / f.C : alpha * alpha / (root - beta);
 }
 
@@ -28,7 +28,8 @@ namespace {
 // it changes by K (P + S |m'|) < P + P at most, while `foot` is K^2 m' - P S w.
 double slope(const Nearness::Cylindrical& f) {
     if (f.sine > 0) return (f.foot.norm() + 2 * f.delta) / f.C;
-    return (2 * f.foot.norm() + (f.is_hollow ? f.delta : std::sqrt(f.C))) / f.C;
+    const bool has_tips = f.is_hollow || f.C < 0;
+    return (2 * f.foot.norm() + (has_tips ? std::abs(f.delta) : std::sqrt(f.C))) / std::abs(f.C);
 }
 
 // Less room than this is not told from rounding errors.
@@ -100,7 +101,7 @@ private:
     // it is below `best` where `best` makes this positive, which changes but moderately.
     static double room_beside(double best, double own, const Nearness::Cylindrical& f, const Vec3& u) {
         const double by_slopes = 0.5 * (best - nearness_of(f, u)) / (own + slope(f));
-        if (by_slopes >= narrow || f.is_hollow || !(best > 0)) return by_slopes;
+        if (by_slopes >= narrow || f.is_hollow || f.C < 0 || !(best > 0)) return by_slopes;
         const double beta = f.foot.dot(u) + f.delta, alpha = f.axis.dot(u), foot = f.foot.norm(),
                      value = best * (f.C * best - 2 * beta) - alpha * alpha,
                      change = 2 * (foot * best + 1 + (f.C * best + foot + std::abs(f.delta)) * own);
@@ -112,7 +113,7 @@ private:
     // differences, Q' and the slope of Q' do.
     static double room_beside_twin(const Nearness::Cylindrical& own, const Nearness::Cylindrical& other,
                                    const Vec3& u) {
-        if (own.is_hollow || other.is_hollow) return 0;
+        if (own.is_hollow || other.is_hollow || own.C < 0 || other.C < 0) return 0;
         const Vec3 axis = own.axis.dot(other.axis) < 0 ? Vec3(-other.axis) : other.axis;
         const Vec3 d_axis = own.axis - axis, d_foot = own.foot - other.foot;
         const double dC = own.C - other.C, d_delta = own.delta - other.delta, q = nearness_of(other, u);
@@ -155,9 +156,14 @@ Vec3 nearest_direction(const Nearness& n) {
             }
             continue;
         }
-        const double length = f.foot.norm(), q = 2 / std::abs(length - f.delta);
+        // If it pierces the base, in a tip.
+        const double length = f.foot.norm(), q = f.C < 0 ? -1 / f.delta : 2 / std::abs(length - f.delta);
         if (!(q > best)) continue;
         best = q;
+        if (f.C < 0) {
+            direction = (f.foot + std::sqrt(-f.C) * f.axis).normalized();
+            continue;
+        }
         // From a point of the axis it does so all around.
         direction = length > 0 ? Vec3(f.foot / length) : Vec3(f.axis.unitOrthogonal());
     }

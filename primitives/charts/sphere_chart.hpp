@@ -18,7 +18,7 @@ struct Nearness {
         double s;
     };
     /// Q = (beta + sqrt(beta^2 + C alpha^2)) / C,  beta = foot.u + delta, alpha = axis.u, C = |foot|^2 -
-    /// delta^2
+    /// delta^2; C < 0: it pierces the base.
     /// Hollow: - C alpha^2, C = delta^2 - |foot|^2, `foot` being away from the axis and delta > 0. Hollow
     /// cones likewise, with alpha = axis.u - sine and what the equation of radial_form.hpp has for the
     /// others.

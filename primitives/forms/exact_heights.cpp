@@ -107,7 +107,8 @@ ExactHeight height(const Equation& e) {
         if (den.sign() == Sign::Negative) return ExactHeight{{-value.a, -value.b, value.c}, -den};
         return ExactHeight{value, den};
     };
-    if (e.has_root) return over({-b, e.is_smaller_root ? -1.0 : 1.0, b * b + a * c}, a);
+    if (e.has_root && a.sign() != Sign::Zero)
+        return over({-b, e.is_smaller_root ? -1.0 : 1.0, b * b + a * c}, a);
     return a.sign() == Sign::Zero ? over({c, Exact(), Exact()}, b + b)
                                   : over({-(b + b), Exact(), Exact()}, a);
 }

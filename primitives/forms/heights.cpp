@@ -123,6 +123,10 @@ std::array<double, 3> near_cylinder(const CylinderForm& c, double x, double y) {
             (c.az * cx - c.ax * cz - sine2 * my - steep * c.ay * v) / root};
 }
 
+std::optional<double> unit_along_axis(const FormFamily& family) {
+    return family.chart.is_cylinder() ? std::optional(family.axial_unit) : std::nullopt;
+}
+
 }  // namespace
 
 Heights::Heights(const FormFamily& family) : family_(family) {
@@ -162,7 +166,7 @@ Heights::Heights(const FormFamily& family) : family_(family) {
         radial_.emplace_back(Interval(f.k), ball(f.a), ball(f.b), ball(f.e), ball(f.w));
     for (const RadialForm& f : family.radial)
         radial_.emplace_back(
-            f, [](const Exact& v) { return v.enclosure(); }, family.tips);
+            f, [](const Exact& v) { return v.enclosure(); }, family.tips, unit_along_axis(family));
 }
 
 const RadialNormals<Interval>& Heights::normals(Interval x, Interval y) const {
@@ -192,7 +196,8 @@ FunctionJet<Wide> Heights::radial_jet(FormId f, const Wide& x, const Wide& y) co
                                                  enclosure_of<Wide>(e.B), enclosure_of<Wide>(e.C),
                                                  enclosure_of<Wide>(e.W));
     } else if (!p) {
-        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), enclosure_of<Wide>, family_.tips);
+        p = std::make_unique<RadialHeight<Wide>>(family_.radial_form(f), enclosure_of<Wide>, family_.tips,
+                                                 unit_along_axis(family_));
     }
     return p->jet<order>(RadialNormals<Wide>(family_.chart, x, y, family_.tips));
 }

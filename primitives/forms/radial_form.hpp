@@ -15,6 +15,12 @@
 /// to the wall as to the base. They are equal where the ray comes to the axis there: the bisector has a tip,
 /// as that of a cone.
 ///
+/// A tube that pierces the base, with delta = rho - R0 < 0 and an axis within -delta of its centre or axis,
+/// has C < 0 (over a cylinder between two places), B < 0 there and B^2 + A^2 C >= 0. The same formula, (B +
+/// sqrt(B^2 + A^2 C)) / C, tells where the ray is as near to the tube as to the base: of the two roots, both
+/// of which are positive, the lesser Q, beyond the tube's axis. They are equal in tips, here too. Q = 0,
+/// never, all along A = 0.
+///
 /// Over a cylinder C is concave in a tube or a ball, which holds the axis as long as C > 0, and has any shape
 /// in a cone.
 ///

@@ -2,13 +2,7 @@
 ///
 /// What is enclosed is -q = -Q / W, the negative reciprocal of the distance from the centre or axis
 /// (primitives/forms/radial_form.hpp): forms are compared by -Q, which is polynomial for most, but the common
-/// factor W grows over the chart and would blur differences; q belongs to the base point alone. With m = 2 /
-/// W
-///
-///     u = (X, Y, m - 1),   X = x m,  Y = y m,       u_x = (m - X^2, -XY, -X m),  u_y = (-XY, m - Y^2, -Y m)
-///
-/// in the stereographic chart, and without Y in half angles: everything is a polynomial in the three bounded
-/// numbers X, Y, m.
+/// factor W grows over the chart and would blur differences; q belongs to the base point alone.
 ///
 /// Over a cylinder -q is multiplied by the distances along the axis to the family's tips, where heights grow
 /// without bound. That of a plane or a side of the box through a tip is then constant along the axis but for
@@ -23,233 +17,23 @@
 
 #include <algorithm>
 #include <array>
-#include <variant>
+#include <optional>
 
-#include "../../core/numbers/sign.hpp"
-#include "../../core/numbers/wide.hpp"
-#include "form_family.hpp"
-#include "function_jet.hpp"
-#include "linear_ball.hpp"
 #include "radial_form.hpp"
+#include "radial_normals.hpp"
+#include "root_by_tips.hpp"
 #include "root_range.hpp"
 
 namespace vcell {
-
-/// Linear functions of the unit normals around a cylinder, v.u = v_x sin phi + v_z cos phi, over a stretch of
-/// the half-angle coordinate x: with phi' = m,
-///
-///     (v.u)' = m g,   (v.u)'' = -m (m v.u + X g),   g = v_x cos phi - v_z sin phi,
-///
-/// X = x m counted from the middle of each half. v.u and g are monotone but where the other vanishes, which
-/// on a stretch of at most half a turn is once at most: their ranges are those of their ends and of +-|v|.
-/// Over x = 1 the second derivative is the hull of both sides' (first ones are continuous there).
-template <class T>
-class NormalsAround {
-public:
-    NormalsAround() = default;
-    explicit NormalsAround(const T& x)
-        : is_point_(x.lower() == x.upper()), is_wide_(x.upper() - 2 > x.lower()) {
-        ends_[0] = TurnedEnd<T>(bottom(x));
-        ends_[1] = is_point_ ? ends_[0] : TurnedEnd<T>(top(x));
-        const T one(1.0), two(2.0);
-        const auto half = [&](const T& t) {
-            const T m = two / (one + square(t));
-            return std::array<T, 2>{m, t * m};
-        };
-        const auto [m, X] = half(x.lower() >= 1 ? x - two : T(x.lower(), std::min(x.upper(), one.upper())));
-        m_ = m;
-        X_ = X;
-        if (x.lower() >= 1 || x.upper() <= 1) return;
-        const auto [back_m, back_X] = half(T(one.lower(), x.upper()) - two);
-        m_ = hull(m, back_m);
-        X_ = hull(X, back_X);
-    }
-
-    template <int order>
-    FunctionJet<T> along(const LinearOfNormals<T>& v) const {
-        const auto [at_first, at_last] = at_ends(v);
-        FunctionJet<T> j;
-        j.v = range(at_first[0], at_last[0], at_first[1], at_last[1], v);
-        if constexpr (order > 0) {
-            const T g = range(at_first[1], at_last[1], -at_first[0], -at_last[0], v);
-            j.x = m_ * g;
-            j.y = T(0.0);
-            if constexpr (order > 1) {
-                j.xx = -(m_ * (m_ * j.v + X_ * g));
-                j.xy = j.yy = T(0.0);
-            }
-        }
-        return j;
-    }
-
-private:
-    // v.u and g at both ends.
-    std::array<std::array<T, 2>, 2> at_ends(const LinearOfNormals<T>& v) const {
-        const std::array<T, 2> first = v.at(ends_[0]);
-        return {first, is_point_ ? first : v.at(ends_[1])};
-    }
-    // From both ends' values and derivatives by phi.
-    T range(const T& first, const T& last, const T& slope_first, const T& slope_last,
-            const LinearOfNormals<T>& v) const {
-        if (is_point_) return first;
-        const T ends = hull(first, last);
-        const bool rises = slope_first.sign() == Sign::Positive, falls = slope_first.sign() == Sign::Negative,
-                   has_risen = slope_last.sign() == Sign::Positive,
-                   has_fallen = slope_last.sign() == Sign::Negative;
-        if (!is_wide_ && ((rises && has_risen) || (falls && has_fallen))) return ends;
-        // The slope at one end tells what extremum there may be where that at the other has no known sign;
-        // where neither has, both ends are next to extrema.
-        const T size = v.size();
-        if (!is_wide_ && (rises || has_fallen || (!falls && !has_risen && ends.lower() > 0)))
-            return hull(ends, size);
-        if (!is_wide_ && (falls || has_risen || ends.upper() < 0)) return hull(ends, -size);
-        return hull(hull(ends, size), -size);
-    }
-
-    std::array<TurnedEnd<T>, 2> ends_;
-    T m_, X_;
-    bool is_point_ = true;
-    bool is_wide_ = false;  // more than half a turn; 2 is subtracted exactly from what is 1 at least
-};
-
-/// The unit normals of a sphere over a box of the stereographic chart, with their derivatives.
-template <class T>
-class NormalsOfSphere {
-public:
-    using Jets = std::array<FunctionJet<T>, 3>;
-
-    NormalsOfSphere() = default;
-    NormalsOfSphere(const T& x, const T& y)
-        : u_(normals(x, y)), is_point_(x.lower() == x.upper() && y.lower() == y.upper()) {
-        if (is_point_) return;
-        const T mx = x.mid(), my = y.mid();
-        middle_ = normals(mx, my);
-        dx_ = x - mx;
-        dy_ = y - my;
-        // Mean value forms, and what follows from the sharper numbers.
-        const std::array<T, 3> sharp{refined(u_[0], middle_[0]).v, refined(u_[1], middle_[1]).v,
-                                     refined(u_[2], middle_[2]).v};
-        u_ = jets(sharp[0], sharp[1], sharp[2] + T(1.0));
-    }
-
-    /// The jet of v.u.
-    template <int order>
-    FunctionJet<T> along(const std::array<T, 3>& v) const {
-        if (is_point_) return sum<order>(v, u_);
-        return refined(sum<2>(v, u_), sum<1>(v, middle_));
-    }
-
-private:
-    static Jets normals(const T& x, const T& y) {
-        const T m = T(2.0) / (T(1.0) + square(x) + square(y));
-        return jets(x * m, y * m, m);
-    }
-    static Jets jets(const T& X, const T& Y, const T& m) {
-        const T two(2.0), XX = square(X), YY = square(Y), XY = X * Y, three_m = T(3.0) * m;
-        const T p = two * XX - m, q = two * YY - m;
-        return {{{X, m - XX, -XY, X * (two * XX - three_m), Y * p, X * q},
-                 {Y, -XY, m - YY, Y * p, X * q, Y * (two * YY - three_m)},
-                 {m - T(1.0), -(X * m), -(Y * m), m * p, two * XY * m, m * q}}};
-    }
-
-    // With mean value forms for the value and the first derivatives.
-    FunctionJet<T> refined(FunctionJet<T> j, const FunctionJet<T>& middle) const {
-        j.x = intersection(j.x, middle.x + j.xx * dx_ + j.xy * dy_);
-        j.y = intersection(j.y, middle.y + j.xy * dx_ + j.yy * dy_);
-        j.v = intersection(j.v, middle.v + j.x * dx_ + j.y * dy_);
-        return j;
-    }
-    static T intersection(const T& a, const T& b) {
-        return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
-    }
-
-    template <int order>
-    static FunctionJet<T> sum(const std::array<T, 3>& v, const Jets& u) {
-        const auto dot = [&](T FunctionJet<T>::*part) {
-            return v[0] * (u[0].*part) + v[2] * (u[2].*part) + v[1] * (u[1].*part);
-        };
-        FunctionJet<T> j;
-        j.v = dot(&FunctionJet<T>::v);
-        if constexpr (order > 0) {
-            j.x = dot(&FunctionJet<T>::x);
-            j.y = dot(&FunctionJet<T>::y);
-        }
-        if constexpr (order > 1) {
-            j.xx = dot(&FunctionJet<T>::xx);
-            j.xy = dot(&FunctionJet<T>::xy);
-            j.yy = dot(&FunctionJet<T>::yy);
-        }
-        return j;
-    }
-
-    Jets u_, middle_;
-    T dx_, dy_;  // the box less its middle
-    bool is_point_ = true;
-};
-
-/// A function of y along a cylinder's axis, with its derivatives.
-template <class T>
-struct AlongAxis {
-    T v, y, yy;
-
-    friend AlongAxis operator*(const AlongAxis& a, const AlongAxis& b) {
-        return {a.v * b.v, a.v * b.y + a.y * b.v, a.v * b.yy + T(2.0) * a.y * b.y + a.yy * b.v};
-    }
-};
-
-/// From a tip at the named end, towards the region.
-template <class T>
-AlongAxis<T> distance_from_tip(AxialEnd end, double tip, const T& y) {
-    return end == AxialEnd::Low ? AlongAxis<T>{y - T(tip), T(1.0), T(0.0)}
-                                : AlongAxis<T>{T(tip) - y, T(-1.0), T(0.0)};
-}
-
-/// The unit normals over a box of the chart, and how far the box is from tips.
-template <class T>
-class RadialNormals {
-public:
-    RadialNormals() = default;
-    RadialNormals(Chart chart, const T& x, const T& y, const AxialTips& tips = {})
-        : y_(y), middle_y_(y.mid()) {
-        for (const AxialEnd end : {AxialEnd::Low, AxialEnd::High}) {
-            if (!tips[end]) continue;
-            const AlongAxis<T> distance = distance_from_tip(end, *tips[end], y);
-            distances_ = distances_ ? *distances_ * distance : distance;
-        }
-        if (chart.is_cylinder())
-            normals_ = NormalsAround<T>(x);
-        else
-            normals_ = NormalsOfSphere<T>(x, y);
-    }
-
-    const T& y() const { return y_; }
-    /// A number in y.
-    const T& middle_y() const { return middle_y_; }
-    /// The product of the distances from all tips. Pre: there is one.
-    const AlongAxis<T>& distances() const { return *distances_; }
-
-    /// The jet of v.u; over a half-angle chart without v_y.
-    template <int order>
-    FunctionJet<T> along(const std::array<T, 3>& v) const {
-        if (around()) return around()->template along<order>(LinearOfNormals<T>(v));
-        return std::get_if<NormalsOfSphere<T>>(&normals_)->template along<order>(v);
-    }
-    /// Null over a sphere.
-    const NormalsAround<T>* around() const { return std::get_if<NormalsAround<T>>(&normals_); }
-
-private:
-    std::variant<NormalsAround<T>, NormalsOfSphere<T>> normals_;
-    T y_, middle_y_;
-    std::optional<AlongAxis<T>> distances_;
-};
 
 /// The coefficients of a form in one number type.
 template <class T>
 class RadialHeight {
 public:
-    /// `convert` takes an Exact to T.
+    /// `convert` takes an Exact to T. `around`: over a cylinder, the unit of y.
     template <class Convert>
-    RadialHeight(const RadialForm& form, Convert&& convert, const AxialTips& tips = {})
+    RadialHeight(const RadialForm& form, Convert&& convert, const AxialTips& tips = {},
+                 std::optional<double> around = std::nullopt)
         : has_root_(form.has_root()),
           is_hollow_(form.is_hollow),
           tips_(tips),
@@ -271,6 +55,8 @@ public:
         around_a_ = LinearOfNormals<T>(a_);
         axial_slope_ = NumberBall<T>(slope_);
         along_axis_ = QuadraticOf<T>(c_);
+        if (has_root_ && form.a0.sign() == Sign::Zero && (is_hollow_ || may_have_tips()))
+            by_tips_.emplace(c_, b0_, slope_, b_, a_, is_hollow_, around);
     }
     /// A circular form (k r^2 + a x + b y + e) / w over a sphere, w > 0: with r^2 = (1 - u_z) W / 2, x = u_x
     /// W / 2, ...
@@ -312,7 +98,7 @@ public:
             const auto [value, slope] = along_axis_.over(n.y());
             C = value;
             C_y = slope;
-            if (C.sign() != Sign::Positive) return unknown();
+            if (C.sign() != Sign::Positive && (!has_root_ || is_hollow_)) return unknown();
         }
         if (!has_root_) {
             f.v = -twice(B.v) / C;
@@ -342,7 +128,8 @@ public:
                 if constexpr (order > 1) B.xx += s * A.xx;
             }
         }
-        if (is_hollow_) return around ? hollow_jet<order>(B, A, C, &C_y) : hollow_jet<order>(B, A, C);
+        if (is_hollow_ || C.sign() != Sign::Positive)
+            return jet_with_tips<order>(n, B, A, C, around ? &C_y : nullptr);
         // With s = B / R and k = A / R, R the root: q_B = (1 + s) / C, q_A = k, q_C = -q (1 + s) / (2 C). All
         // of q, s and k are monotone in each of B, A and C (in |A| for one sign of B): evaluated at the ends
         // nothing is lost.
@@ -403,51 +190,74 @@ public:
             const double R = std::sqrt(std::max(0.0, B * B - A * A * C)), f = -(B + R) / C;
             return {f, m * (f * B_x + A * A_x) / R, f * (0.5 * C_y * f + B_y) / R};
         }
-        const double R = std::sqrt(B * B + A * A * C), f = B < 0 ? -A * A / (R - B) : -(B + R) / C;
+        const double R = std::sqrt(std::max(0.0, B * B + A * A * C)),
+                     f = B < 0 ? -A * A / (R - B) : -(B + R) / C;
         return {f, m * (f * B_x - A * A_x) / R, f * (0.5 * C_y * f + B_y) / R};
     }
 
 private:
-    // C f^2 + 2 B f + A^2 = 0 over a sphere, where C is constant: with s = B / R and k = A / R, R^2 = B^2 -
-    // A^2 C,
-    //
-    //     f_u = -(1 + s) B_u / C + k A_u,   R f_uv = B_uv f + A A_uv + D_u D_v,   D_u = k B_u - s A_u,
-    //
-    // as s^2 - 1 = C k^2. Around a cylinder, where C depends on y by C_y and A does not, w = B_y + C_y f / 2
-    // takes the place of B_y as in plain_jet(), and what is added is the same. Where R may vanish nothing is
-    // said but f itself.
     template <int order>
-    [[gnu::noinline]] FunctionJet<T> hollow_jet(const FunctionJet<T>& B, const FunctionJet<T>& A, const T& C,
-                                                const T* C_y = nullptr) const {
+    [[gnu::noinline]] FunctionJet<T> jet_with_tips(const RadialNormals<T>& n, const FunctionJet<T>& B,
+                                                   const FunctionJet<T>& A, const T& C, const T* C_y) const {
+        if (is_hollow_) return two_root_jet<order>(1, n, B, A, C, C_y);
+        if (B.v.sign() != Sign::Negative) return unknown();
+        if (C_y == nullptr) return two_root_jet<order>(-1, n, -B, A, -C, nullptr);
+        const T minus_C_y = -*C_y;
+        return two_root_jet<order>(-1, n, -B, A, -C, &minus_C_y);
+    }
+    // f = -(B + side R) / C, where C f^2 + 2 B f + A^2 = 0 and B > 0, over a sphere, where C is constant:
+    // with s = B / R and k = A / R, R^2 = B^2 - A^2 C,
+    //
+    //     side f_u = (f / R) B_u + k A_u,   side R f_uv = B_uv f + A A_uv + D_u D_v,   D_u = k B_u - s A_u,
+    //
+    // as s^2 - 1 = C k^2; f / R is -(1 + s) / C on side 1. Around a cylinder, where C depends on y by C_y and
+    // A does not, w = B_y + C_y f / 2 takes the place of B_y as in plain_jet(), and what is added is the
+    // same. Where R may vanish nothing is said but f itself. Pre: C > 0 on side 1.
+    template <int order>
+    FunctionJet<T> two_root_jet(int side, const RadialNormals<T>& n, const FunctionJet<T>& B,
+                                const FunctionJet<T>& A, const T& C, const T* C_y = nullptr) const {
         const T A2 = square(A.v);
+        const bool is_larger = side > 0;
         FunctionJet<T> f;
-        f.v = -hollow_root_range(B.v, A2, C);
+        f.v = -(is_larger ? hollow_root_range(B.v, A2, C) : smaller_root_range(B.v, A2, C));
         if constexpr (order > 0) {
-            const T s = hollow_share(B.v, B.v, A2, C), k = hollow_share(A.v, B.v, A2, C);
+            T s = hollow_share(B.v, B.v, A2, C), k = hollow_share(A.v, B.v, A2, C),
+              R = hollow_root(B.v, A2, C);
+            if (by_tips_ && 2 * R.lower() < R.upper()) {
+                R = narrower(R, (*by_tips_)(n, B.v, A2));
+                if (R.sign() == Sign::Positive) {
+                    s = narrower(s, B.v / R);
+                    k = narrower(k, A.v / R);
+                    f.v = narrower(f.v, is_larger ? -((B.v + R) / C) : -(A2 / (B.v + R)));
+                }
+            }
             if (!is_bounded(s) || !is_bounded(k)) {
                 f.x = f.y = f.xx = f.xy = f.yy = T::whole();
                 return f;
             }
-            const T slope = (T(1.0) + s) / C;
-            f.x = k * A.x - slope * B.x;
+            const T slope = is_larger ? (T(1.0) + s) / C : f.v / R, of_A = is_larger ? k : -k;
+            f.x = of_A * A.x - slope * B.x;
             const T half_C_y = C_y != nullptr ? 0.5 * *C_y : T(0.0),
                     w = C_y != nullptr ? B.y + half_C_y * f.v : B.y;
-            f.y = C_y != nullptr ? -(slope * w) : k * A.y - slope * B.y;
+            f.y = C_y != nullptr ? -(slope * w) : of_A * A.y - slope * B.y;
             if constexpr (order > 1) {
-                const T R = hollow_root(B.v, A2, C), D_x = k * B.x - s * A.x;
-                f.xx = (B.xx * f.v + A.v * A.xx + square(D_x)) / R;
+                const T signed_R = is_larger ? R : -R, D_x = k * B.x - s * A.x;
+                f.xx = (B.xx * f.v + A.v * A.xx + square(D_x)) / signed_R;
                 if (C_y != nullptr) {
-                    const T D_y = k * w;
-                    f.xy = ((B.xy + half_C_y * f.x) * f.v + D_x * D_y) / R;
-                    f.yy = (c_[2] * square(f.v) + *C_y * (f.v * f.y) + square(D_y)) / R;
+                    const T D_y = k * w, half_C_yy = is_larger ? c_[2] : -c_[2];
+                    f.xy = ((B.xy + half_C_y * f.x) * f.v + D_x * D_y) / signed_R;
+                    f.yy = (half_C_yy * square(f.v) + *C_y * (f.v * f.y) + square(D_y)) / signed_R;
                     return f;
                 }
                 const T D_y = k * B.y - s * A.y;
-                f.xy = (B.xy * f.v + A.v * A.xy + D_x * D_y) / R;
-                f.yy = (B.yy * f.v + A.v * A.yy + square(D_y)) / R;
+                f.xy = (B.xy * f.v + A.v * A.xy + D_x * D_y) / signed_R;
+                f.yy = (B.yy * f.v + A.v * A.yy + square(D_y)) / signed_R;
             }
         }
         return f;
+    }
+    static T narrower(const T& a, const T& b) {
+        return {std::max(a.lower(), b.lower()), std::min(a.upper(), b.upper())};
     }
     static bool is_bounded(const T& t) {
         return t.lower() > T::whole().lower() && t.upper() < T::whole().upper();
@@ -455,7 +265,7 @@ private:
     // Pre: the root does not vanish.
     static T hollow_root(const T& B, const T& A2, const T& C) {
         return hull(sqrt(square(bottom(B)) - top(A2) * top(C)),
-                    sqrt(square(top(B)) - bottom(A2) * bottom(C)));
+                    sqrt(square(top(B)) - with_greatest_root(A2, C) * bottom(C)));
     }
 
     static T twice(const T& t) { return t + t; }
@@ -498,8 +308,15 @@ private:
         return times<order>(B, k);
     }
 
+    // May C be less than 0 anywhere?
+    bool may_have_tips() const {
+        return c_[0].sign() != Sign::Positive ||
+               (c_[2].sign() != Sign::Zero && (4.0 * c_[0] * c_[2] - square(c_[1])).sign() != Sign::Positive);
+    }
+
     bool has_root_;
     bool is_hollow_ = false;
+    std::optional<RootByTips<T>> by_tips_;
     AxialTips tips_;
     std::optional<AxialEnd> own_tip_;  // the form's C is linear and falls towards it
     std::array<T, 3> c_, b_, a_;
@@ -509,11 +326,5 @@ private:
     NumberBall<T> axial_slope_;
     QuadraticOf<T> along_axis_;
 };
-
-// heights.cpp compiles them, once.
-extern template class NormalsOfSphere<Interval>;
-extern template class NormalsOfSphere<Wide>;
-extern template class RadialNormals<Interval>;
-extern template class RadialNormals<Wide>;
 
 }  // namespace vcell

@@ -62,7 +62,14 @@ T hollow_root_range(const T& B, const T& A2, const T& C) {
     return hull(at(bottom(B), top(A2), top(C)), at(top(B), bottom(A2), bottom(C)));
 }
 
-/// p / sqrt(B^2 - A2 C) over ranges of p, B > 0, A2 and C; the whole line where the root may vanish.
+/// Of A^2 what B^2 - A^2 C is greatest with, where C is least.
+template <class T>
+T with_greatest_root(const T& A2, const T& C) {
+    return C.lower() < 0 ? top(A2) : bottom(A2);
+}
+
+/// p / sqrt(B^2 - A2 C) over ranges of p, B > 0, A2 and C, of which some is not negative; the whole line
+/// where the root may vanish.
 template <class T>
 T hollow_share(const T& p, const T& B, const T& A2, const T& C) {
     const auto at = [](const T& number, const T& b, const T& a2, const T& c) -> T {
@@ -71,8 +78,21 @@ T hollow_share(const T& p, const T& B, const T& A2, const T& C) {
         return number / sqrt(square_of_root);
     };
     const auto far = [&](const T& number) { return at(number, bottom(B), top(A2), top(C)); };
-    const auto near = [&](const T& number) { return at(number, top(B), bottom(A2), bottom(C)); };
+    const auto near = [&](const T& number) {
+        return at(number, top(B), with_greatest_root(A2, C), bottom(C));
+    };
     return hull(p.lower() > 0 ? near(bottom(p)) : far(bottom(p)), p.upper() > 0 ? far(top(p)) : near(top(p)));
+}
+
+/// The smaller roots of the same over ranges of B > 0, A^2 and C, of any sign, without cancellation: q grows
+/// with A^2 and C and falls as B grows, and where corners of the ranges have no root A^2 / B bounds it.
+template <class T>
+T smaller_root_range(const T& B, const T& A2, const T& C) {
+    const auto at = [](const T& b, const T& a2, const T& c) {
+        const T square_of_root = square(b) - a2 * c;
+        return square_of_root.upper() > 0 ? a2 / (b + sqrt(square_of_root)) : a2 / b;
+    };
+    return hull(at(top(B), bottom(A2), bottom(C)), at(bottom(B), top(A2), top(C)));
 }
 
 namespace root_range_detail {

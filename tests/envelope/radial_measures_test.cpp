@@ -426,7 +426,7 @@ TEST_CASE("radial measures: along steep rays what the budget leaves out is estim
     for (const FormId f : problem.objects.ids())
         if (std::holds_alternative<Cylinder>(problem.objects[f])) line = f;
     REQUIRE(line.valid());
-    const radial_integrals::SkewFace face(problem, std::get<Cylinder>(problem.objects[line]),
+    const radial_integrals::SkewFace face(problem, line, std::get<Cylinder>(problem.objects[line]),
                                           {{0.1, 0.375, 0.1}, 0.01});
     const quadrature::Rule& rule = quadrature::rule();
     double most = 0;

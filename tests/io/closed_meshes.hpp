@@ -46,7 +46,9 @@ inline bool is_closed(const CellMesh& mesh) {
 
 /// The cell's mesh is closed and has its volume but for a part that chords leave out, and it is one solid.
 inline void check_mesh_and_solid(const Cell& cell, double part) {
-    const CellMesh mesh = tessellate(cell);
+    MeshOptions options;
+    options.closed = true;
+    const CellMesh mesh = tessellate(cell, options);
     CHECK(is_closed(mesh));
     CHECK(volume(mesh) == doctest::Approx(cell.measures.volume).epsilon(part));
     const Solid solid = solid_of(closed_shell(cell), cell.faces.size());

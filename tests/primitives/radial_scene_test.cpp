@@ -73,7 +73,7 @@ TEST_CASE("radial base: objects that touch, contain or lie in the base are error
     check(ball, Plane{at(1, 0, 1), {0, 0, 5}}, "cuts the base at (1, 2, 4)");
     check(ball, Plane{at(0, 0, 0), {1, 2, 5}}, "cuts the base");
     check(ball, Cylinder{at(0, 1, 0), {1, 0, 0}, 3}, "contains the base");
-    check(ball, Cylinder{at(0, 1, 0), {1, 0, 0}, 0.5}, "runs through the base");
+    check(ball, Cylinder{at(0, 1.5, 0), {1, 0, 0}, 0.5}, "touches it from within");
     check(Sphere{o, 0}, Sphere{at(1, 0, 0), 1}, "contains the base");
     check(Sphere{o, 0}, Plane{at(1, 0, 0), {0, 1, 0}}, "touches the base");
 
@@ -87,9 +87,11 @@ TEST_CASE("radial base: objects that touch, contain or lie in the base are error
     check(tube, Plane{at(0, 0, 11), {1, 0, 1}}, "cuts the base");
     check(tube, Cylinder{at(0, 0, 5), {0, 0, -1}, 1}, "lies in the base");
     check(tube, Cylinder{at(0, 0, 5), {0, 0, -1}, 3}, "contains a cross section");
-    check(tube, Cylinder{at(0, 0, 5), {1, 0, 0}, 1}, "lies in the base, or runs through it");
+    check(tube, Cylinder{at(0, 1, 5), {1, 0, 0}, 1}, "touches it from within");
+    check(tube, Cylinder{at(0, 0, 5), {1, 0, 0}, 2}, "contains a cross section");
     check(tube, Cylinder{at(3, 0, 5), {0, 0, 1}, 5}, "contains a cross section");
     // About a point of an axis whose length is no double.
+    check(Cylinder{o, {1, 0, 1}, 0.5}, Cylinder{at(1, 0.25, 1), {-1, 0, 1}, 0.25}, "touches it from within");
     check(Cylinder{o, {1, 0, 1}, 0.5}, Sphere{at(2, 0, 2), 0.5}, "contains a cross section");
     check(Cylinder{o, {1, 1, 0}, 0.5}, Sphere{at(-1.5, -1.5, 0), 0.5}, "contains a cross section");
     // A ball in line with the axis beyond the box is not seen: no error.
