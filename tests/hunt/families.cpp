@@ -10,8 +10,8 @@
 #include "../../primitives/bases/plane_base.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/objects/decided_scene.hpp"
-#include "../primitives/reference.hpp"
 #include "../rotations.hpp"
+#include "builder.hpp"
 
 namespace vcell::hunt {
 
@@ -43,122 +43,6 @@ bool is_legal(const Scene& scene) try {
 }
 
 namespace {
-
-/// A scene in the making: objects that touch the base or contain it are left out.
-class Builder {
-public:
-    Builder(std::mt19937_64& rng, BaseKind kind, double half = 2) : rng_(rng), kind_(kind) {
-        scene_.box = {Vec3::Constant(-half), Vec3::Constant(half)};
-    }
-
-    double uniform(double a, double b) { return std::uniform_real_distribution(a, b)(rng_); }
-    int count(int a, int b) { return std::uniform_int_distribution(a, b)(rng_); }
-    bool chance(double p) { return uniform(0, 1) < p; }
-    /// 10^-k for an even spread of k.
-    double small(double least_digits, double most_digits) {
-        return std::pow(10, -uniform(least_digits, most_digits));
-    }
-    Vec3 direction() {
-        std::normal_distribution<double> n;
-        return Vec3(n(rng_), n(rng_), n(rng_)).normalized();
-    }
-    Vec3 place(double half = 2) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
-    Vec3 integers(int most) { return Vec3(count(-most, most), count(-most, most), count(-most, most)); }
-    Vec3 integer_direction(int most) {
-        for (;;)
-            if (const Vec3 d = integers(most); !d.isZero()) return d;
-    }
-    /// One up or down in each coordinate's last digit, or none.
-    Vec3 ulps(Vec3 p) {
-        for (double& x : p)
-            if (const int step = count(-1, 1)) x = std::nextafter(x, step * HUGE_VAL);
-        return p;
-    }
-
-    BaseKind kind() const { return kind_; }
-    bool is_plane() const { return kind_ == BaseKind::Plane || kind_ == BaseKind::TiltedPlane; }
-    bool is_tilted() const { return kind_ == BaseKind::TiltedPlane || kind_ == BaseKind::TiltedTube; }
-    /// About the origin. Directions are integers where the family's coordinates are.
-    void put_base(double radius, bool of_integers = false) {
-        const Vec3 d = !is_tilted() ? Vec3::UnitZ() : of_integers ? integer_direction(2) : direction();
-        if (is_plane())
-            scene_.base = Plane{Vec3::Zero(), d};
-        else if (kind_ == BaseKind::Ball)
-            scene_.base = Sphere{Vec3::Zero(), radius};
-        else
-            scene_.base = Cylinder{Vec3::Zero(), d, radius};
-    }
-    /// The base's normal or axis; for balls any direction.
-    Vec3 base_direction() {
-        if (const auto* p = std::get_if<Plane>(&scene_.base)) return p->normal.normalized();
-        if (const auto* c = std::get_if<Cylinder>(&scene_.base)) return c->axis.normalized();
-        return direction();
-    }
-
-    /// Vessels are looked at together: a plane may have nothing within two of them.
-    bool add(const Object& object) {
-        Scene alone = scene_;
-        std::erase_if(alone.objects, [&](const Object& o) { return !is_vessel(object) || !is_vessel(o); });
-        alone.objects.push_back(object);
-        if (!is_legal(alone)) return false;
-        if (is_plane() && is_vessel(object) && !has_room(alone)) return false;
-        scene_.objects.push_back(object);
-        return true;
-    }
-    Object random_ball() { return Sphere{place(), chance(0.2) ? 0 : uniform(0, 0.4)}; }
-    Object random_plane() { return Plane{uniform(0.6, 2) * direction(), direction()}; }
-    Object random_tube() { return Cylinder{place(), direction(), chance(0.2) ? 0 : uniform(0, 0.3)}; }
-    /// The axis of a tube that may hold the base: any, or much that of a base tube, or just that.
-    Vec3 vessel_axis() {
-        const auto* c = std::get_if<Cylinder>(&scene_.base);
-        if (!c || chance(0.1)) return direction();
-        return chance(0.3) ? c->axis : (c->axis.normalized() + uniform(0, 0.4) * direction()).eval();
-    }
-    Object random_vessel() {
-        const double off = chance(0.2) ? 0 : uniform(0, 1);
-        const Vec3 middle = off * direction(), axis = vessel_axis();
-        switch (count(0, 2)) {
-            case 0: return HollowSphere{middle, uniform(0.6, 4)};
-            case 1: return HollowCylinder{middle, axis, uniform(0.4, 3)};
-            default: {
-                const double sine = uniform(0.1, 0.95), slant = uniform(0.5, 2);
-                return HollowCone{middle - uniform(0.3, 5) * axis.normalized(), axis, sine * slant, slant};
-            }
-        }
-    }
-    template <class Make>
-    void add_some(int n, Make make) {
-        constexpr int tries = 200;
-        for (int i = 0, added = 0; i < tries && added < n; ++i) added += add(make());
-    }
-    void add_mix(int balls, int planes, int tubes) {
-        add_some(balls, [&] { return random_ball(); });
-        add_some(planes, [&] { return random_plane(); });
-        add_some(tubes, [&] { return random_tube(); });
-    }
-
-    Scene& scene() { return scene_; }
-    Scene done() { return std::move(scene_); }
-
-private:
-    /// Is any of some places on the base plane within all vessels? Slivers are left out.
-    bool has_room(const Scene& scene) {
-        const Vec3 normal = base_direction();
-        constexpr int tries = 1000;
-        for (int i = 0; i < tries; ++i) {
-            Vec3 p = place(scene.box.max.x());
-            p -= normal.dot(p) * normal;
-            if (p.lpNorm<Eigen::Infinity>() < scene.box.max.x() &&
-                std::ranges::all_of(scene.objects, [&](const Object& o) { return distance(o, p) > 0; }))
-                return true;
-        }
-        return false;
-    }
-
-    std::mt19937_64& rng_;
-    BaseKind kind_;
-    Scene scene_;
-};
 
 void transform(Object& object, double factor, const Vec3& shift) {
     const auto place = [&](Vec3& p) { p = factor * p + shift; };
@@ -255,6 +139,31 @@ Scene beads(std::mt19937_64& rng, BaseKind kind) {
     others.add_mix(others.count(0, 3), 0, others.count(0, 1));
     for (const Object& o : others.scene().objects) scene.objects.push_back(o);
     return scene;
+}
+
+// Thin tubes through a ball or tube next to its centre or axis, the base or one beside it, of any numbers or
+// of quarters.
+Scene pierced(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    const bool are_quarters = b.chance(0.5);
+    const double radius = 0.5 * b.count(1, 2);
+    b.put_base(radius, are_quarters);
+    const auto rounded = [&](const Vec3& p) {
+        return are_quarters ? Vec3(0.25 * (4 * p.array()).round()) : p;
+    };
+    Vec3 middle = Vec3::Zero();
+    if (b.is_plane()) {
+        middle = rounded(b.place(1) + 1.5 * b.base_direction());
+        b.add(b.chance(0.5) ? Object(Sphere{middle, radius})
+                            : Object(Cylinder{middle, b.direction(), radius}));
+    }
+    b.add_some(b.count(1, 4), [&] {
+        const double thin = 0.25 * radius * b.count(0, 3);
+        return Cylinder{rounded(middle + b.uniform(0, radius) * b.direction()),
+                        are_quarters ? b.integer_direction(1) : b.direction(), thin};
+    });
+    b.add_mix(b.count(0, 3), 0, b.count(0, 1));
+    return b.done();
 }
 
 // Coordinates of few bits: full of exact ties.
@@ -570,6 +479,7 @@ constexpr Family all[] = {
     {"fibres", "tubes of one radius, axes 1e-6 to 1 from each other: they cut each other", fibres},
     {"integers", "planes, points, lines, balls and tubes of small integers", integers},
     {"beads", "balls and tubes that hold cross sections of the base tube, or of one beside the base", beads},
+    {"pierced", "thin tubes through a ball or tube next to its centre or axis", pierced},
     {"equals", "balls and tubes of the base's radius, of small integers: planes through edges of the box",
      equals},
     {"lattice", "balls of a lattice, exact or one unit in the last place off", lattice},
