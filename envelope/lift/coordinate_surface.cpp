@@ -1,5 +1,7 @@
 #include "coordinate_surface.hpp"
 
+#include <Eigen/Geometry>
+
 namespace vcell {
 
 void CoordinateSurface::set_axes(Kind kind, const Vec3& x, const Vec3& y, const Vec3& origin) {

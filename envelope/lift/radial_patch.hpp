@@ -39,13 +39,13 @@
 /// S = c + v d + (|c|^2 - delta^2 + v^2) n / (-2 (c.n + delta W)), (2, 2). The bisector is met where c.n <
 /// -delta W, an interval about 0: no pole comes near.
 ///
-/// *Tubes that pierce the base* have delta < 0 and bisectors with two tips on their axes, which they open from. Over a
-/// sphere base they are AboutObject in the same form, all around the axis, u = 0 in the direction from that to the
-/// face, in several patches: in a tip v is one and the same for all u. Over a cylinder base faces on both sides of a tip
-/// are AboutObject, too, with the roles of both tubes exchanged in what is said of cylinders below: |S| across the
-/// base's axis is t - delta at the distance t from the object's. v is the same, and constant in the tip. Two of the
-/// lines on which it is constant run into each tip, one for either sign of d, and a patch is for the half of all
-/// directions in which the other one lies.
+/// *Tubes that pierce the base* have delta < 0 and bisectors with two tips on their axes, which they open
+/// from. Over a sphere base they are AboutObject in the same form, all around the axis, u = 0 in the
+/// direction from that to the face, in several patches: in a tip v is one and the same for all u. Over a
+/// cylinder base faces on both sides of a tip are AboutObject, too, with the roles of both tubes exchanged in
+/// what is said of cylinders below: |S| across the base's axis is t - delta at the distance t from the
+/// object's. v is the same, and constant in the tip. Two of the lines on which it is constant run into each
+/// tip, one for either sign of d, and a patch is for the half of all directions in which the other one lies.
 ///
 /// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite
 /// is the only one that a patch lacks. Their weights are positive all over, those of control points over a

@@ -223,9 +223,11 @@ private:
         if constexpr (order > 0) {
             T s = hollow_share(B.v, B.v, A2, C), k = hollow_share(A.v, B.v, A2, C),
               R = hollow_root(B.v, A2, C);
-            if (by_tips_ && 2 * R.lower() < R.upper()) {
+            bool is_next_to_tip = false;
+            if (by_tips_ && (4 * R.upper() < B.v.upper() || 2 * R.lower() < R.upper())) {
                 R = narrower(R, (*by_tips_)(n, B.v, A2));
-                if (R.sign() == Sign::Positive) {
+                is_next_to_tip = R.sign() == Sign::Positive;
+                if (is_next_to_tip) {
                     s = narrower(s, B.v / R);
                     k = narrower(k, A.v / R);
                     f.v = narrower(f.v, is_larger ? -((B.v + R) / C) : -(A2 / (B.v + R)));
@@ -237,11 +239,22 @@ private:
             }
             const T slope = is_larger ? (T(1.0) + s) / C : f.v / R, of_A = is_larger ? k : -k;
             f.x = of_A * A.x - slope * B.x;
+            const T signed_R = is_larger ? R : -R;
+            // What is divided by R vanishes in the tip, and s and k grow: taken together, terms cancel.
+            const auto together = [&](const T& apart, const auto& numerator, const T& divisor) {
+                return is_next_to_tip ? narrower(apart, numerator() / divisor) : apart;
+            };
+            f.x = together(
+                f.x, [&] { return B.x * f.v + A.v * A.x; }, signed_R);
             const T half_C_y = C_y != nullptr ? 0.5 * *C_y : T(0.0),
                     w = C_y != nullptr ? B.y + half_C_y * f.v : B.y;
             f.y = C_y != nullptr ? -(slope * w) : of_A * A.y - slope * B.y;
+            if (C_y == nullptr)
+                f.y = together(
+                    f.y, [&] { return B.y * f.v + A.v * A.y; }, signed_R);
             if constexpr (order > 1) {
-                const T signed_R = is_larger ? R : -R, D_x = k * B.x - s * A.x;
+                const T D_x = together(
+                    k * B.x - s * A.x, [&] { return A.v * B.x - B.v * A.x; }, R);
                 f.xx = (B.xx * f.v + A.v * A.xx + square(D_x)) / signed_R;
                 if (C_y != nullptr) {
                     const T D_y = k * w, half_C_yy = is_larger ? c_[2] : -c_[2];
@@ -249,7 +262,8 @@ private:
                     f.yy = (half_C_yy * square(f.v) + *C_y * (f.v * f.y) + square(D_y)) / signed_R;
                     return f;
                 }
-                const T D_y = k * B.y - s * A.y;
+                const T D_y = together(
+                    k * B.y - s * A.y, [&] { return A.v * B.y - B.v * A.y; }, R);
                 f.xy = (B.xy * f.v + A.v * A.xy + D_x * D_y) / signed_R;
                 f.yy = (B.yy * f.v + A.v * A.yy + square(D_y)) / signed_R;
             }

@@ -12,6 +12,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../envelope/voronoi_diagram.hpp"
 #include "../../io/check/check.hpp"
 #include "../test_support.hpp"
 #include "closed_meshes.hpp"
@@ -141,6 +142,31 @@ TEST_CASE("pierced: whole diagrams of balls, sticks through them and fibres fill
     REQUIRE(diagram);
     CHECK(diagram->cells.size() == scene.objects.size());
     check_proved(certify(*diagram));
+}
+
+// Soft ones, thick and thin, through each other anyhow. What lies in another one has no cell.
+TEST_CASE("pierced: balls and fibres that cut each other fill their box") {
+    Random r{std::mt19937_64(test_seed())};
+    for (int round = 0; round < long_rounds(3); ++round) {
+        CAPTURE(round);
+        DiagramScene scene;
+        scene.box = {Vec3::Constant(-5), Vec3::Constant(5)};
+        for (int i = 0; i < 10; ++i)
+            scene.objects.push_back(Cylinder{r.place(5), r.direction(),
+                                             i % 3 == 0   ? 1.2
+                                             : i % 3 == 1 ? 0.6
+                                                          : 0.1});
+        for (int i = 0; i < 5; ++i) scene.objects.push_back(Sphere{r.place(5), r.uniform(0.3, 1.5)});
+        scene.names.resize(scene.objects.size());
+        const VoronoiDiagram diagram = voronoi_diagram(scene);
+        for (const DiagramCell& cell : diagram.cells)
+            CHECK_MESSAGE(
+                (cell.state == DiagramCell::State::Computed || cell.state == DiagramCell::State::Empty),
+                cell.reason);
+        const FilledVolume filled = filled_volume(scene, diagram);
+        CHECK(filled.fills());
+        CHECK(filled.error < 1e-2);
+    }
 }
 
 // Where the patches of a face come together in a tip, caps close them for programs that know no sides of one
