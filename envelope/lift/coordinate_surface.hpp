@@ -51,7 +51,7 @@ protected:
     void set_coordinates(const PatchCoordinate& u);
 
     Kind kind_ = Kind::Planar;
-    // Of the inverse: axes and where they start; v = along_.p + along_start_ where it is a length along an
+    // The inverse has axes and where they start; v = along_.p + along_start_ where it is a length along an
     // axis, and along_across_ of the distance from it more along or in a cone.
     std::array<Vec3, 3> axes_{};
     Vec3 origin_ = Vec3::Zero(), along_ = Vec3::Zero();

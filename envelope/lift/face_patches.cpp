@@ -55,11 +55,11 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
     }
     for_ranges(count, threads, [&](std::size_t begin, std::size_t end) {
         for (auto face = FaceId{static_cast<std::uint32_t>(begin)}; face.value < end; ++face.value)
-            if (const FormId form = diagram_.face_forms[face]; form.valid() && !has_tips(face))
+            if (const FormId form = diagram_.face_forms[face]; form.valid() && !may_reach_around(face))
                 patches_[face] = RadialPatch(problem_, form, middle(face), 0);
     });
     for (const FaceId face : diagram_.face_forms.ids()) {
-        if (!diagram_.face_forms[face].valid() || !has_tips(face)) continue;
+        if (!diagram_.face_forms[face].valid() || !may_reach_around(face)) continue;
         if (std::holds_alternative<HollowSphere>(object(face)))
             add_in_sphere(face);
         else
@@ -67,7 +67,7 @@ FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const 
     }
 }
 
-bool FacePatches::has_tips(FaceId face) const {
+bool FacePatches::may_reach_around(FaceId face) const {
     return is_vessel(object(face)) || pierces_base(problem_, diagram_.face_forms[face]);
 }
 

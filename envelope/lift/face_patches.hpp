@@ -108,7 +108,8 @@ public:
 
 private:
     const Object& object(FaceId face) const { return problem_.objects[diagram_.face_forms[face]]; }
-    bool has_tips(FaceId face) const;
+    /// May it reach around its object, or come to its axis in a tip?
+    bool may_reach_around(FaceId face) const;
     std::vector<Vec3> poles(FaceId face) const;
     void add_in_sphere(FaceId face);
     bool halve(FaceId face);

@@ -257,9 +257,9 @@ void RadialPatch::set_between_axes(const Vec3& b, const Vec3& d, const Vec3& poi
     add(angle_sin, half_C, vector(axes_[1]));
 }
 
-// The same with the roles of both tubes exchanged: points are t - R0 + rho from the object's axis, and t is
-// R0 - rho more. Of both signs of the base's axis that is taken for which lines v = const that run into the
-// tip are on the other half.
+// Both tubes exchange their roles, as v is one for all directions in a tip about its own axis only: points
+// are t - R0 + rho from the object's axis, and t is R0 - rho more. Of both signs of the base's axis that is
+// taken for which lines v = const that run into the tip are on the other half.
 RadialPatch RadialPatch::around_tip(const RadialBaseProblem& problem, FormId form, const Vec3& middle,
                                     bool is_far) {
     const auto& tube = std::get<Cylinder>(problem.objects[form]);

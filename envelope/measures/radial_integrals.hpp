@@ -177,7 +177,7 @@ struct TubeFace {
     double side;              ///< -1: hollow
 
     TubeFace(const RadialBaseProblem& problem, FormId form, const Around& face);
-    /// Of a tube that pierces the base that of its tips.
+    /// A tube that pierces the base comes nearest in its tips.
     double least_distance() const {
         return side > 0 && K < 0 ? -delta : 0.5 * std::abs(side * length - delta);
     }

@@ -126,7 +126,7 @@ private:
     struct Cylinder {
         NormalFunction b, a;
         double rounding;
-        /// Of the root in q = B' + sqrt(B'^2 - A'^2); 0: |w|.
+        /// The sign of the root in q = B' +- sqrt(B'^2 - A'^2) where the bisector has tips; 0: q = B' + |w|.
         int tip_side = 0;
     };
     bool is_circular(FormId f) const { return f.value < circular_.size(); }

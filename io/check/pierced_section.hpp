@@ -32,8 +32,8 @@ struct Pierced {
     MidRad c_along, d_along;             ///< z of c and d; about a ball 0
     std::array<MidRad, 2> across_along;  ///< that of the frame across d
 
-    /// Of both tips the one that is farther along the tube's axis, or the other one. None: it is not certain
-    /// that the tube pierces the base.
+    /// The tube beyond the tip that is farther along its axis, or beyond the other one. None: it is not
+    /// certain that it pierces the base.
     static std::optional<Pierced> beyond(const Equation& tube, bool is_ball, bool is_far) {
         if (tube.kind != Equation::Kind::tube || tube.is_hollow || !(tube.delta.upper() < 0))
             return std::nullopt;

@@ -106,7 +106,7 @@ struct Fan {
     Triad<MidRad> start;
     /// About a sphere, in a hollow tube or cone: where volume and area start along the wall instead.
     std::optional<MidRad> along_wall = std::nullopt;
-    /// Of a tube that pierces the base: volume and area start in a tip.
+    /// Volume and area of a tube that pierces the base start in a tip, as they are smooth from there on.
     std::optional<Pierced> pierced = std::nullopt;
 };
 

@@ -48,8 +48,10 @@ T RootByTips<T>::operator()(const RadialNormals<T>& n, const T& B, const T& A2) 
     T N2(0.0);
     for (int i = 0; i < 3; ++i) N2 += square(n.template along<0>(of_u_[i]).v + m_[0][i] + y * m_[1][i]);
     const T by_length = root_of(N2 - G2), rest = T(1.0) - along2;
-    // Where the ray all but runs along the axis the other form tells nothing.
-    if (!(rest.lower() > 0.125)) return by_length;
+    // Both forms are right; which one is sharper changes where the ray has this square of its sine to the
+    // axis, and next to the axis itself the other form tells nothing.
+    constexpr double least_sine2 = 0.125;
+    if (!(rest.lower() > least_sine2)) return by_length;
     const T by_parts = root_of((square(B - minus_delta_ * along2) + along2 * G2) / rest);
     return {std::max(by_length.lower(), by_parts.lower()), std::min(by_length.upper(), by_parts.upper())};
 }
