@@ -211,7 +211,8 @@ bool ApexFinder::is_tie_in_space(const Apex& apex,
 // upright, all forms are equal and have equal gradients where it stands. Otherwise, if the height of a form
 // minus that of the line changes sign along it, near the apex, then all forms are equal in a point of it, and
 // sections cross there transversally: the gradients agree. The first trisector has one such point in the
-// piece, the apex. Over curved bases likewise, for cylinders of one radius that cross.
+// piece, the apex. Over curved bases, and where those planes have irrational coefficients, that is told of
+// cylinders of one radius that cross.
 bool ApexFinder::is_tie_of_planes(const Apex& apex) const {
     const std::vector<Spread>& r = work_.rivals;
     const HeightCurvature<Interval>& bend = *apex.differences[0][1].curvature;
@@ -219,11 +220,11 @@ bool ApexFinder::is_tie_of_planes(const Apex& apex) const {
     const auto inside = [&](const Interval& x, const Interval& y) {
         return work_.where(x, y) == Inside::Yes;
     };
-    if (!heights_.family().radial.empty()) {
-        const std::vector<FormId> forms = work_.forms();
-        return std::ranges::none_of(forms, [&](FormId f) { return heights_.family().is_circular(f); }) &&
-               is_tie_over_crossing(heights_.family(), forms, inside, apex.point, work_.width);
-    }
+    const std::vector<FormId> forms = work_.forms();
+    if (std::ranges::none_of(forms, [&](FormId f) { return heights_.family().is_circular(f); }) &&
+        is_tie_over_crossing(heights_.family(), forms, inside, apex.point, work_.width))
+        return true;
+    if (!heights_.family().radial.empty()) return false;
     std::vector<std::array<Exact, 4>> planes;
     for (std::size_t i = 1; i < r.size(); ++i) {
         if (heights_.family().is_circular(r[0].form) && heights_.family().is_circular(r[i].form))

@@ -1,4 +1,4 @@
-/// The node over tubes of one radius that cross, over a curved base.
+/// The node over tubes of one radius that cross.
 ///
 /// Where the axes cross, the points of the line across them are as far from all tubes, with the same gradient
 /// (primitives/forms/crossing.hpp). So where a point of the line is as near to the base, too, all forms tie

@@ -6,19 +6,35 @@ namespace vcell {
 
 namespace {
 
-// A radial form's cylinder: with its axis a and the axis' point m nearest to the centre (over a cylinder: to
-// 0) forms hold |a|^2 m and |a|^2 delta. No cylinder's form has a = 0.
+// A form's cylinder. With its axis a and the axis' point m nearest to the centre (over a cylinder: to 0)
+// radial forms hold |a|^2 m and |a|^2 delta. None but cylinders' have an axis.
 struct Tube {
     ExactVector axis, moment;
-    Exact length2, delta;
+    Exact length2, delta;  // length2: by which moment and delta are multiplied
 
     Tube(const FormFamily& family, FormId f) {
+        if (family.radial.empty()) {
+            set(family.cylinder(f));
+            return;
+        }
         const RadialForm& h = family.radial_form(f);
         const long unit = std::ilogb(family.axial_unit);
         axis = {h.a[0], h.a[1] + h.slope.scaled(-unit), h.a[2]};
         moment = {h.b[0], h.b[1] - h.c[1].scaled(-unit - 1), h.b[2]};
         length2 = dot(axis, axis);
         delta = h.b0;
+    }
+
+private:
+    void set(const CylinderForm& f) {
+        if (f.is_hollow()) return;
+        const ExactCylinder tube = exact_cylinder(f);
+        const ExactVector point(tube.px, tube.py, tube.pz);
+        axis = {tube.ax, tube.ay, tube.az};
+        const Exact square = dot(axis, axis);
+        moment = square * point - dot(point, axis) * axis;
+        length2 = square * tube.unit;
+        delta = square * tube.rho;
     }
 };
 

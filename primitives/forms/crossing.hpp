@@ -21,7 +21,7 @@ struct Crossing {
 };
 
 /// Exact. None where the forms are not of two cylinders of one radius, or their axes do not cross in one
-/// point. Pre: f and g are no circular forms, over a curved base.
+/// point. Pre: f and g are no circular forms.
 std::optional<Crossing> equal_crossing(const FormFamily& family, FormId f, FormId g);
 
 /// Does the axis of form h, of a cylinder, run through the crossing, across its normal?
