@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "../primitives/bases/cylinder_base.hpp"
 #include "object_distance.hpp"
 
 namespace vcell {
@@ -123,7 +124,12 @@ AxisParts::LeftOut AxisParts::left_out_before(const std::array<double, 2>& part,
         if (holder.reach(0)[1 - i] == part[i]) return holder.needle(std::abs(stretch[i] - part[i]));
     }
     const double held = within_box(part, 0)[i];
-    return {std::max(0.0, end == AxialEnd::Low ? stretch[i] - held : held - stretch[i])};
+    LeftOut slab{std::max(0.0, end == AxialEnd::Low ? stretch[i] - held : held - stretch[i])};
+    // Both planes run through it as far as the box reaches. The one that lies more across the axis has the
+    // more of it.
+    for (const End& crossing : crossings_)
+        if (crossing.y == part[i]) slab.area += 2 * crossing.slant * slab.width * diagonal_;
+    return slab;
 }
 
 void AxisParts::leave_out(const std::array<double, 2>& held) {
@@ -133,6 +139,17 @@ void AxisParts::leave_out(const std::array<double, 2>& held) {
         if (std::max(from, held[1]) < to) left.push_back({std::max(from, held[1]), to});
     }
     parts_ = std::move(left);
+}
+
+// The planes are half of the axes' angle away from either.
+void AxisParts::end_at_crossings(const Scene& scene, const Cylinder& base, const BaseFrame& frame) {
+    const auto [low, high] = std::array{ends_[0].y, ends_[1].y};
+    for (const auto& [place, y] : crossing_tubes(scene, base)) {
+        if (y < low || y > high) continue;
+        const Vec3 a = frame.rotation * std::get<Cylinder>(scene.objects[place]).axis.stableNormalized();
+        crossings_.push_back({y, std::sqrt(2 * (1 + std::abs(a.y()))) / std::hypot(a.x(), a.z())});
+    }
+    ends_.insert(ends_.end(), crossings_.begin(), crossings_.end());
 }
 
 // Next to a wall the cell is a needle: parts keep as clear of where it ends as of planes.
@@ -148,6 +165,7 @@ AxisParts::AxisParts(const Scene& scene, const Cylinder& base, const Box& box, c
                                       std::min(of_box[1], within.ends[1])};
     ends_ = {{range[0], range[0] > of_box[0] ? within.slants[0] : 0},
              {range[1], range[1] < of_box[1] ? within.slants[1] : 0}};
+    end_at_crossings(scene, base, frame);
     for (const BoxSide& side : sides_)
         if (side.m.y() != 0 && !is_across(side))
             ends_.push_back({side.k / side.m.y(), 1 / std::abs(side.m.y())});

@@ -1,5 +1,6 @@
-/// The axis of a base tube, cut where it crosses the planes of the box's sides: between them it is on the
-/// same side of each. It ends where it is as far beyond a vessel's wall as the tube is wide, and what of it
+/// The axis of a base tube, cut where it crosses the planes of the box's sides, and where tubes of its radius
+/// cross it: between these places it is on the same side of each side, and of both planes between the tube
+/// and each of those. It ends where it is as far beyond a vessel's wall as the tube is wide, and what of it
 /// is as deep in a ball or another tube is left out: rays from there own nothing, as distances from the axis
 /// grow at least as fast as those from the other object.
 #pragma once
@@ -43,6 +44,8 @@ public:
     const std::vector<std::array<double, 2>>& parts() const { return parts_; }
     /// Does an object hold cross sections of the base?
     bool are_any_held() const { return !held_.empty(); }
+    /// Do the axes of tubes of the base's radius cross its own in the range? It is cut there, too.
+    bool are_any_crossed() const { return !crossings_.empty(); }
 
     /// What of a part is not looked at.
     struct LeftOut {
@@ -118,6 +121,7 @@ private:
     };
     static std::vector<Holder> holders(const Scene& scene, const Cylinder& base, const BaseFrame& frame);
     void leave_out(const std::array<double, 2>& held);
+    void end_at_crossings(const Scene& scene, const Cylinder& base, const BaseFrame& frame);
     LeftOut left_out_before(const std::array<double, 2>& part, const std::array<double, 2>& stretch,
                             AxialEnd end) const;
 
@@ -130,8 +134,8 @@ private:
     }
     std::array<bool, 6> beyond(const std::array<double, 2>& part) const;
 
-    // A part of the axis ends where it crosses a side's plane, or where the box or a vessel does. The way
-    // along the axis is so many times as long as its distance from the plane.
+    // A part of the axis ends where it crosses a side's plane or both between crossing axes, or where the box
+    // or a vessel does. The way along the axis is so many times as long as its distance from the plane.
     struct End {
         double y, slant;
     };
@@ -140,6 +144,7 @@ private:
     std::array<BoxSide, 6> sides_;
     std::array<double, 2> box_ends_;  // infinite where it ends with a side
     std::vector<End> ends_;
+    std::vector<End> crossings_;  // of them
     std::vector<Holder> held_;
     std::vector<std::array<double, 2>> parts_;
 };

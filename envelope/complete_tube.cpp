@@ -31,11 +31,12 @@ public:
           axis_(scene_, base_, scene_.box, frame_) {
         // A part of the needles beside what holds the base.
         constexpr double of_needle = 0x1p-10;
-        if (is_cut()) tolerance_ = std::min(tolerance_, of_needle * AxisParts::beside_needle * diagonal_);
+        if (axis_.are_any_held())
+            tolerance_ = std::min(tolerance_, of_needle * AxisParts::beside_needle * diagonal_);
     }
 
-    // Is some of the axis left out, as another object holds what is about it?
-    bool is_cut() const { return axis_.are_any_held(); }
+    // Does it come in parts, as another object holds what is about the axis, or crosses it?
+    bool is_cut() const { return axis_.are_any_held() || axis_.are_any_crossed(); }
 
     CompleteTube operator()() {
         for (const std::array<double, 2>& part : axis_.parts()) add(part);
@@ -167,17 +168,12 @@ private:
         m.volume_error +=
             left_out_.width * 0.25 * std::numbers::pi * diagonal_ * diagonal_ + left_out_.volume;
         m.area_error += left_out_.width * std::numbers::pi * diagonal_ + left_out_.area;
-        m.box_area_error += left_out_.width * std::numbers::pi * diagonal_ + left_out_.area;
+        m.box_area_error += left_out_.width * sides_across() + left_out_.area;
         m.is_estimated = true;
         m.touches_box = true;
         m.body_volume = m.body_volume_error = m.base_area = m.base_area_error = 0;
         try {
-            Scene alone = scene_;
-            alone.objects.clear();
-            alone.names.clear();
-            alone.numbers.clear();
-            alone.base_object.reset();
-            const RadialBaseProblem problem = cylinder_base_problem(alone, base_, unit_);
+            const RadialBaseProblem problem = cylinder_base_problem(base_alone(scene_), base_, unit_);
             const double length = problem.stretch[1] - problem.stretch[0], radius = base_.radius,
                          error = 0x1p-48 * (length + std::abs(problem.stretch[0]) + diagonal_);
             m.base_area = 2 * std::numbers::pi * radius * length;
@@ -188,6 +184,14 @@ private:
             if (e.kind != InputError::Kind::EmptyBox) throw;
         }
         result_.lifted.cell.measures = m;
+    }
+
+    // What slabs across the axis have of the box's sides, for each length of their width.
+    double sides_across() const {
+        double sum = 0;
+        for (const BoxSide& side : sides_)
+            if (!AxisParts::is_across(side)) sum += diagonal_ / std::hypot(side.m.x(), side.m.z());
+        return sum;
     }
 
     void rank_neighbors() {

@@ -29,8 +29,9 @@ struct CellOptions {
     /// obliquely it is all of the box that is nearest to the tube, cut across the axis where that crosses the
     /// plane of a side (complete_tube.hpp). Then objects must stay clear of the base as far as its rays come
     /// into the box, and over a plane a little farther. Cells over other bases stay as they are;
-    /// Cell::is_complete says which it is. A tube of which a ball or another tube holds whole cross sections
-    /// has its complete cell, or none, asked for or not.
+    /// Cell::is_complete says which it is. A tube of which a ball or another tube holds whole cross
+    /// sections, or whose axis a tube of its radius crosses, has its complete cell, or none, asked for or
+    /// not.
     bool complete = false;
 };
 

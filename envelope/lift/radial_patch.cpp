@@ -212,14 +212,9 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, FormId form, 
                  zero = std::sqrt(std::max(0.0, (delta - apart) * (delta + apart))) / sine;
     const bool is_far =
         (std::abs(nearest - crossing) - zero) * (1 + std::abs(d.y())) > far * sine * std::abs(beyond);
-    const bool is_planar = delta == 0 && meets_base_axis(cylinder);
-    const bool is_singular = is_planar || ((wide || is_near) && !is_far);
+    const bool is_singular = (wide || is_near) && !is_far;
     if (is_singular ? side * d.dot(middle) < 0 : d.y() < 0) d = -d;
     if (is_singular) half_ = side * across_y(d);
-    if (is_planar) {
-        const double fall = d.y() > 0 ? -sine * sine / (1 + d.y()) : d.y() - 1;
-        return set_plane(Vec3(0, crossing, 0), (side * Vec3(d.x(), fall, d.z())).normalized());
-    }
 
     const Vec3 x = across(Vec3::UnitY(), middle);
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());

@@ -12,6 +12,7 @@
 
 #include "../../core/small_vector.hpp"
 #include "../../primitives/bases/canonical.hpp"
+#include "../../primitives/bases/cylinder_base.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 
 namespace vcell {
@@ -108,7 +109,8 @@ struct Row {
     Direction object{};         // of an object that has one
     double shift = 2;           // of its equation, in motions
     bool has_object = false;
-    double rounding = 0;  // of its value
+    double rounding = 0;    // of its value
+    std::size_t place = 0;  // of the object
 
     // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector
     // moves by sqrt(2) r / d at most, which 3/2 is above.
@@ -174,17 +176,23 @@ Row difference(const Direction& b, const Direction& a) {
     return row;
 }
 
-// The row of two objects' difference, in which the base takes no part. Where they are no tubes that turn with
-// the base its equation has the shift given, at most.
-Row difference(const Row& b, const Row& a, double shift) {
-    if (!a.has_object || !b.has_object)
-        return {b.value - a.value,      std::min(a.nearest, b.nearest),
-                a.turn + b.turn,        {},
-                a.shift + b.shift,      false,
-                a.rounding + b.rounding};
-    Row row = difference(b.object, a.object);
-    row.shift = std::max(a.shift, b.shift);
-    if (!(a.object.turns || b.object.turns)) row.shift = std::min(shift, row.shift);
+// Tubes of one radius whose axes cross are equally near in two planes. On that next to a point the difference
+// of their distances grows as the distance from the plane does.
+std::optional<Row> row_of_crossing(const Object& first, const Object& second, const Vec3& p) {
+    const auto *a = std::get_if<Cylinder>(&first), *b = std::get_if<Cylinder>(&second);
+    if (a == nullptr || b == nullptr || !cross_equally(*a, *b)) return std::nullopt;
+    const Vec3 d = a->axis.stableNormalized(), e = b->axis.stableNormalized(), across = d.cross(e);
+    const double along = (b->point - a->point).cross(e).dot(across) / across.squaredNorm();
+    const Vec3 way = p - a->point - along * d;
+    Row row;
+    double nearest = infinity;
+    for (const Vec3& n : {Vec3(e - d), Vec3(e + d)}) {
+        const double length = n.norm(), off = std::abs(n.dot(way)) / length;
+        if (!(off < nearest)) continue;
+        nearest = off;
+        row.value = n / length;
+        row.rounding = 8 * u / length;
+    }
     return row;
 }
 
@@ -277,11 +285,29 @@ private:
         if (site.kind == Site::Kind::End || term.is_wall) return rounded(base_unit_, 4 * u);
         const std::size_t place = cell_.scene.place(site.index);
         const Direction object = from_foot(cell_.scene.objects[place], units_[place], p);
-        Row row = difference(object, base);
+        const std::optional<Row> crossing = row_of_crossing(cell_.scene.base, cell_.scene.objects[place], p);
+        Row row = crossing ? *crossing : vcell::difference(object, base);
+        row.place = place;
         row.object = object;
         row.object.turns = object.direction && base.is_tube &&
                            cross(ExactVector(*object.direction), ExactVector(*base.direction)).is_zero();
         row.has_object = true;
+        return row;
+    }
+
+    // The row of two objects' difference at p, in which the base takes no part. Where they are no tubes that
+    // turn with the base its equation has the shift given, at most.
+    Row difference(const Row& b, const Row& a, double shift, const Vec3& p) const {
+        if (!a.has_object || !b.has_object)
+            return {b.value - a.value,      std::min(a.nearest, b.nearest),
+                    a.turn + b.turn,        {},
+                    a.shift + b.shift,      false,
+                    a.rounding + b.rounding};
+        const auto& objects = cell_.scene.objects;
+        const auto crossing = row_of_crossing(objects[a.place], objects[b.place], p);
+        Row row = crossing ? *crossing : vcell::difference(b.object, a.object);
+        row.shift = std::max(a.shift, b.shift);
+        if (!(a.object.turns || b.object.turns)) row.shift = std::min(shift, row.shift);
         return row;
     }
 
@@ -304,8 +330,8 @@ private:
                     const std::array<const Row*, 3> r{&rows[i], &rows[j], &rows[k]};
                     best = std::min(best, of_rows(r, v.error));
                     for (int m = 0; m < 3; ++m) {
-                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_objects_),
-                                  c = difference(*r[(m + 2) % 3], a, between_objects_);
+                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_objects_, v.point),
+                                  c = difference(*r[(m + 2) % 3], a, between_objects_, v.point);
                         best = std::min(best, of_rows({&a, &b, &c}, v.error));
                     }
                 }
@@ -381,7 +407,7 @@ private:
         // alike.
         double change = across(a, b, radius + room_);
         if (change <= room_) return change;
-        const Row apart = difference(b, a, between_objects_);
+        const Row apart = difference(b, a, between_objects_, middle);
         for (double reach = room_; reach < most_; reach = 2 * change) {
             change = across(a, apart, radius + reach);
             if (change <= reach) return change;

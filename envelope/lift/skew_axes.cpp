@@ -11,8 +11,7 @@ using radial_patch_terms::across_y;
 
 std::optional<SkewAxes> SkewAxes::of(const RadialBaseProblem& problem, FormId form, double y) {
     const auto* cylinder = std::get_if<Cylinder>(&problem.objects[form]);
-    if (cylinder == nullptr || cylinder->radius != problem.chart.radius || meets_base_axis(*cylinder))
-        return std::nullopt;
+    if (cylinder == nullptr || cylinder->radius != problem.chart.radius) return std::nullopt;
     Vec3 d = cylinder->axis.normalized();
     const double sine = across_y(d).norm();
     if (sine == 0) return std::nullopt;

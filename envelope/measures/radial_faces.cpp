@@ -574,10 +574,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     if (is_vessel(problem.objects[form]) && problem.family.radial_form(form).has_root())
         return SkewFace(problem, form, face);
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
-    if (is_skew) {
-        if (const auto flat = FlatFace::between_crossing(problem, *cylinder, face.near)) return *flat;
-        return SkewFace(problem, form, *cylinder, face);
-    }
+    if (is_skew) return SkewFace(problem, form, *cylinder, face);
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
     return TurnedFace(problem, form, face);
 }

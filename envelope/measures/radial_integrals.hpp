@@ -247,18 +247,13 @@ private:
     double slope_square(const Ray& ray, double beta) const;
 };
 
-/// Faces in planes over a cylinder, which are taken as they are: sides of the box, which are their own
-/// bisectors, and those with tubes that cross the base. Rays that hardly meet them tell nothing.
+/// Walls over a cylinder (is_wall()), which are taken as they are: rays that hardly meet them tell nothing.
 struct FlatFace {
     Vec3 normal;    ///< unit, outward
     Vec3 point;     ///< of the plane, near the face
     double offset;  ///< normal.p = offset
 
     FlatFace(const Plane& side, const Vec3& near);
-    /// With a tube of the base's radius, if the axes cross: `near` tells in which of both planes the face is,
-    /// by the side of the base and of the crossing that it lies on.
-    static std::optional<FlatFace> between_crossing(const RadialBaseProblem& problem,
-                                                    const Cylinder& cylinder, const Vec3& near);
     double least_distance() const { return std::numeric_limits<double>::infinity(); }
     Share share(const SpanPoint<double>& p) const;
     Share size(const SpanPoint<double>& p) const;

@@ -34,8 +34,12 @@ private:
         auto& conditions = edge_.conditions;
         conditions.clear();
         const bool is_on_wall = rim_[i] && rim_[i]->is_object();
-        for (const Site& s : label(i))
-            conditions.push_back({s, geometry_.is_plane() && !is_on_wall && rim_[i] == s});
+        const RationalCurve3& curve = e.curve;
+        const Vec3 middle = curve.evaluate(0.5 * (curve.domain_begin() + curve.domain_end()));
+        for (const Site& s : label(i)) {
+            conditions.push_back(space().condition_at(s, middle));
+            conditions.back().at_rim = geometry_.is_plane() && !is_on_wall && rim_[i] == s;
+        }
         // A side of the box may lean out of its own rim: it meets the boundary there. A vessel's wall meets
         // the base.
         if (e.sites[0] == e.sites[1]) conditions.push_back({is_on_wall ? Site::base() : e.sites[0]});

@@ -24,10 +24,11 @@ public:
     }
 
 private:
-    /// A part of a side, along its two axes, and the objects that may be the nearest somewhere in it.
+    /// A part of a side, along its two axes, and what of the objects may have the least excess somewhere in
+    /// it.
     struct Part {
         Vec2 lo, hi;
-        std::vector<std::uint32_t> objects;
+        std::vector<Condition> conditions;
     };
 
     std::string where() const { return subject_.path("entries"); }
@@ -44,7 +45,9 @@ private:
         whole_lo_ = whole.lo;
         whole_hi_ = whole.hi;
         for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
-            if (scene_.competes(i)) whole.objects.push_back(i);
+            if (scene_.competes(i))
+                space().for_conditions(Site::object(i),
+                                       [&](const Condition& c) { whole.conditions.push_back(c); });
         std::vector<Part> parts{std::move(whole)};
         const std::size_t most = std::size_t{64} << std::clamp(options_.effort, 0, 20);
         for (std::size_t count = 0; !parts.empty(); ++count) {
@@ -107,18 +110,17 @@ private:
             if (room.upper() < 0) return true;
             if (room.lower() <= 0) inwards.push_back(space().gradient({Site::end(end)}, box));
         }
-        const Interval clearance = space().clearance(box);
         double least = HUGE_VAL;
         std::vector<Interval> excesses;
-        for (const std::uint32_t i : part.objects) {
-            excesses.push_back(space().object_excess(i, box, clearance));
-            if (excesses.back().upper() <= tie_width(Site::object(i))) return true;
+        for (const Condition& c : part.conditions) {
+            excesses.push_back(space().excess(c, box));
+            if (excesses.back().upper() <= tie_width(c.site)) return true;
             least = std::min(least, excesses.back().upper());
         }
         std::size_t kept = 0;
         for (std::size_t i = 0; i < excesses.size(); ++i)
-            if (excesses[i].lower() <= least) part.objects[kept++] = part.objects[i];
-        part.objects.resize(kept);
+            if (excesses[i].lower() <= least) part.conditions[kept++] = part.conditions[i];
+        part.conditions.resize(kept);
         return is_covered(part) || has_no_maximum(part, box, inwards);
     }
 
@@ -267,7 +269,7 @@ private:
                 {g[static_cast<std::size_t>(across_[0])], g[static_cast<std::size_t>(across_[1])]});
         };
         for (const Vector<Interval>& way : inwards) add(way);
-        for (const std::uint32_t i : part.objects) add(space().gradient({Site::object(i)}, box));
+        for (const Condition& c : part.conditions) add(space().gradient(c, box));
         std::vector<Vec2> ways;
         for (const auto& g : grow) ways.push_back(Vec2(g[0].mid(), g[1].mid()).normalized());
         const auto leads_out = [&](const Vec2& d) {

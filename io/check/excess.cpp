@@ -73,7 +73,7 @@ Form ExcessAlong::squared_distance(const Surface& round) const {
 }
 
 Interval ExcessAlong::excess(const Condition& c) const {
-    if (c.site.is_object()) {
+    if (c.is_of_object()) {
         const Interval plain = object_excess(space_.object(c.site.index));
         const auto apart = space_.is_twin_of_base(c.site.index) ? excess_of_twin(c.site.index) : std::nullopt;
         return apart ? intersection(plain, *apart) : plain;

@@ -39,12 +39,12 @@ private:
         const Vec3 center = lift(patch, 0.5 * (patch.lo + patch.hi)).p;
         JudgedPatch judged{patch,
                            patch_path(patch.face, patch.index),
-                           {{face.site}},
+                           {space().condition_at(face.site, center)},
                            {net_over(*patch.surface, patch.lo, patch.hi, center), patch.lo, patch.hi, {}},
                            {},
                            {},
                            std::max(tie_width(face.site), kRounding * patch.control_size)};
-        for (const Site& s : face.extra_sites) judged.own.push_back({s});
+        for (const Site& s : face.extra_sites) judged.own.push_back(space().condition_at(s, center));
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop) {
                 if (trim.curve->edge) judged.stated = std::max(judged.stated, full_error(*trim.curve->edge));

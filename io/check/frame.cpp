@@ -59,6 +59,13 @@ Triad<Interval> Frame::point(const Vec3& p) const {
     return turned(d);
 }
 
+Triad<Interval> Frame::point(const Triad<Interval>& p) const {
+    Triad<Interval> d;
+    for (std::size_t i = 0; i < 3; ++i)
+        d[i] = (p[i] - Interval(origin_[static_cast<Eigen::Index>(i)])) / Interval(unit_);
+    return turned(d);
+}
+
 Triad<double> Frame::about(const Vec3& p) const {
     const Vec3 d = (p - origin_) / unit_;
     if (!rows_) return {d[0], d[1], d[2]};

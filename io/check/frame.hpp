@@ -20,9 +20,11 @@ public:
     explicit Frame(const Scene& scene);
 
     Triad<Interval> point(const Vec3& p) const;
+    Triad<Interval> point(const Triad<Interval>& p) const;
     /// About where that is: to a few roundings of the numbers of p and of the frame's origin.
     Triad<double> about(const Vec3& p) const;
     Triad<Interval> direction(const Vec3& d) const;  ///< keeps its length
+    Triad<Interval> direction(const Triad<Interval>& d) const { return turned(d); }
     /// From one point to another near by: as exact as it is short.
     Triad<MidRad> way(const Vec3& from, const Vec3& to) const;
     Interval length(double x) const;

@@ -543,7 +543,9 @@ private:
     void add_slack(std::size_t e, const Span& span, Interval length) {
         double steep = 0;
         for (const EdgeUse& use : uses_[e]) {
-            double s = cell_.faces[use.face].site.is_object() ? bands_[e].steepness : HUGE_VAL;
+            const auto& shadow = shadows_[use.face];
+            const bool is_wall = shadow && std::holds_alternative<Flat>(*shadow);
+            double s = cell_.faces[use.face].site.is_object() && !is_wall ? bands_[e].steepness : HUGE_VAL;
             if (!std::isfinite(s)) s = steepest(use, span);
             if (!std::isfinite(s))
                 s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0),

@@ -13,11 +13,6 @@
 
 namespace vcell::check {
 
-inline double lower_bound(const Interval& x) { return x.lower(); }
-inline double upper_bound(const Interval& x) { return x.upper(); }
-inline double lower_bound(const Wide& x) { return x.enclosure().lower(); }
-inline double upper_bound(const Wide& x) { return x.enclosure().upper(); }
-
 /// Three of the conditions that tell best where their common point near p is: the one with the longest
 /// gradient for what its excess is known to, then each that adds most to those before. Fewer where no third
 /// one adds anything.

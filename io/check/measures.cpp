@@ -287,8 +287,7 @@ private:
             region_slack = region_.slack;
         }
         judge("measures.volume", m.volume, m.volume_error, t.volume, integrals_.total.volume, 3, t.is_proved);
-        // About as much as a face has that goes once around the box.
-        const double untold = slabs_ ? 4 * scene_.box.diagonal() * slabs_->width / unit(2) : 0;
+        const double untold = slabs_ ? slabs_->area / unit(2) : 0;
         judge("measures.area", m.area, m.area_error, t.area, t.object_slack, 2, t.is_proved, untold);
         judge("measures.box_area", m.box_area, m.box_area_error, t.box_area, t.box_slack, 2, t.is_proved,
               untold);

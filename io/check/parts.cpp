@@ -178,6 +178,7 @@ private:
                 together);
         result_.width = together;
         result_.left_out = volume.upper();
+        result_.area = steepness() * box.diagonal() * together;
         const Vec3 size = box.max - box.min;
         const double share = result_.left_out / size.prod();
         certificate_.prove(
@@ -251,6 +252,24 @@ private:
             most = 2.0 * parameter / rest;
         return Owned{(width * pi() * square(parameter) / (rest * sqrt(rest))).upper(),
                      (pi() * most * (width + most) / (2.0 * cell_.scene.box.diagonal())).upper()};
+    }
+
+    /// About how much area a slab may have of faces or of sides, for its width and the box's diagonal. A face
+    /// that goes once around the box has half as much; planes that lie nearly across the axis, sides and
+    /// those between axes that cross it, the more.
+    double steepness() const {
+        double faces = 8, sides = 0;
+        const auto& base = std::get<Cylinder>(cell_.scene.base);
+        const Vec3 d = base.axis.stableNormalized();
+        for (std::uint32_t s = 0; s < 6; ++s)
+            if (!is_across(s)) sides += 2 / d.cross(Vec3::Unit(s / 2)).norm();
+        for (const Object& object : cell_.scene.objects) {
+            const auto* tube = std::get_if<Cylinder>(&object);
+            if (!tube || !cross_equally(base, *tube)) continue;
+            const Vec3 e = tube->axis.stableNormalized();
+            faces = std::max(faces, 16 / std::min((e - d).norm(), (e + d).norm()));
+        }
+        return std::max(faces, sides);
     }
 
     static Interval pi() { return {std::numbers::pi, std::nextafter(std::numbers::pi, 4)}; }

@@ -25,6 +25,7 @@ struct TubeParts {
     std::vector<TubePart> parts;
     double width = 0;     ///< of all slabs together, at most
     double left_out = 0;  ///< a bound on their volume
+    double area = 0;      ///< what bounds on areas may allow for faces and sides of the box in them
 };
 
 /// None: something is refuted or open, without which no part can be judged. Elements that no face uses are

@@ -79,9 +79,12 @@ private:
     Nearness nearness(const Tile& tile, bool is_whole) const {
         // Tiles that are many times smaller are few, where gradients all but vanish: forms know of places.
         constexpr int most_depth = 6, least_depth_of_forms = 4;
-        if (judged_.own.size() == 1 && judged_.own[0].site.kind == Site::Kind::BoxSide) {
-            // Coordinates tell, and grow by one per length.
-            const double size = magnitude(space().excess(judged_.own[0], tile.net.box())).upper();
+        // A wall's excess grows by one per length, and of a side of the box it is a coordinate.
+        if (judged_.own.size() == 1 && !judged_.own[0].is_of_object()) {
+            const Condition& wall = judged_.own[0];
+            const double size = magnitude(wall.wall ? ExcessAlong(space(), tile.net).excess(wall)
+                                                    : space().excess(wall, tile.net.box()))
+                                    .upper();
             return {size, size};
         }
         if (tile.depth <= most_depth) {

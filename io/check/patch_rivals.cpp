@@ -134,8 +134,7 @@ private:
     }
     /// Is it a side of the box that a tile lies inside of?
     bool is_beside(const Condition& c, const Vector<Interval>& box) const {
-        return c.site.kind == Site::Kind::BoxSide &&
-               space().inside_side(c.site.index, box).lower() >= margin_;
+        return (c.site.kind == Site::Kind::BoxSide || c.wall) && space().excess(c, box).lower() >= margin_;
     }
     /// Drops the rivals that need not be looked for in a tile.
     void drop(Tile& tile, std::size_t count) const {
@@ -202,7 +201,7 @@ private:
                 room_.space().is_beyond(c.site.index, center_, base_.distance + base_.rounding + 2 * radius_))
                 return true;
             const Slope rival = slope(c);
-            const double rounding = rival.rounding + (c.site.is_object() ? base_.rounding : 0);
+            const double rounding = rival.rounding + (c.is_of_object() ? base_.rounding : 0);
             const double steepest = rival.direction.norm() + rival.turn + kRough;
             if (rival.distance - rounding >= (1 + kRough) * steepest * radius_) return true;
             if (is_nowhere_parallel(c, rival, rival.distance - rounding - (1 + kRough) * steepest * radius_))
@@ -216,7 +215,7 @@ private:
     private:
         /// The excess and its gradient.
         Slope slope(const Condition& c) const {
-            if (!c.site.is_object()) {
+            if (!c.is_of_object()) {
                 const Interval e = room_.space().excess(c, to_vector<Interval>(center_));
                 return {e.mid(), e.radius(), middle(room_.space().gradient(c, box_)), kRough};
             }
@@ -240,7 +239,7 @@ private:
         /// points: n - u is parallel to another object's n' - u where n = u or n = n', and to the gradient m
         /// of a side where n = u or n is u reflected in the plane across m.
         bool is_nowhere_parallel(const Condition& c, const Slope& rival, double least) const {
-            const bool is_object = c.site.is_object(), is_own_object = room_.judged_.own[0].site.is_object();
+            const bool is_object = c.is_of_object(), is_own_object = room_.judged_.own[0].is_of_object();
             const Vec3 &g = rival.direction, &h = own_.direction, &u = base_.direction;
             if (!is_object && !is_own_object) return g.cross(h).norm() > 4 * kRough;
             const auto differ = [](const Vec3& way, double turn) {

@@ -11,7 +11,8 @@ void Room::rivals(const Vec3& p, double reach, std::span<const Condition> own,
     found.clear();
     const auto add = [&](const Site& site) {
         const auto is_own = [&](const Condition& o) { return o.site == site && !o.at_rim; };
-        if (std::ranges::none_of(own, is_own)) found.push_back({site});
+        if (std::ranges::any_of(own, is_own)) return;
+        space().for_conditions(site, [&](const Condition& c) { found.push_back(c); });
     };
     near_.clear();
     subject_.tree.near(p, reach, near_);

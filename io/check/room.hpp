@@ -65,10 +65,10 @@ protected:
     /// Half the squared gradient of an excess: what it grows by at least per length on the way towards an
     /// object's base, where the other sites' excesses grow, too.
     double growth(const Condition& c, const Vector<Interval>& box) const {
-        return c.site.is_object() ? growth_of(c, space().gradient(c, box)) : 0.5;
+        return c.is_of_object() ? growth_of(c, space().gradient(c, box)) : 0.5;
     }
     static double growth_of(const Condition& c, const Vector<Interval>& gradient) {
-        return c.site.is_object() ? 0.5 * square(gradient).lower() : 0.5;
+        return c.is_of_object() ? 0.5 * square(gradient).lower() : 0.5;
     }
     /// How far a curve or a patch with an excess of that size is from its true place: the first
     /// find(margin).distance that is no more than the margin for which it was found. Gradients of excesses

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "crossing_walls.hpp"
 #include "shadows.hpp"
 #include "triads.hpp"
 
@@ -32,6 +33,31 @@ void set_tube(Equation& equation, const Scene& scene, const Frame& frame, const 
     if (plane) equation.delta = frame.length(tube.radius);
 }
 
+// On which side of the crossing the points are, and in which of the two walls there, the farthest one tells.
+void set_wall(Equation& equation, const Frame& frame, const Cylinder& base, const Cylinder& tube,
+              std::span<const Triad<double>> points) {
+    equation.kind = Equation::Kind::side;
+    double farthest = -1;
+    for (const bool is_beyond : {true, false}) {
+        const CrossingWalls<Interval> walls(base, tube, is_beyond);
+        const Triad<Interval> crossing = frame.point(walls.point);
+        const std::array<Triad<MidRad>, 2> normals{near(frame.direction(walls.normals[0])),
+                                                   near(frame.direction(walls.normals[1]))};
+        for (const Triad<double>& p : points) {
+            if ((p[2] > crossing[2].mid()) != is_beyond) continue;
+            std::array<double, 2> off{};
+            for (const std::size_t wall : {0, 1})
+                for (const std::size_t k : {0, 1, 2})
+                    off[wall] += normals[wall][k].mid() * (crossing[k].mid() - p[k]);
+            const std::size_t wall = std::abs(off[0]) < std::abs(off[1]) ? 0 : 1;
+            if (!(std::abs(off[1 - wall]) > farthest)) continue;
+            farthest = std::abs(off[1 - wall]);
+            equation.c = normals[wall];
+            equation.offset = dot(normals[wall], near(crossing));
+        }
+    }
+}
+
 }  // namespace
 
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
@@ -59,6 +85,11 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         return equation;
     }
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
+        const auto* base = std::get_if<Cylinder>(&scene.base);
+        if (base && !points.empty() && cross_equally(*base, *tube)) {
+            set_wall(equation, frame, *base, *tube, points);
+            return equation;
+        }
         set_tube(equation, scene, frame, *tube);
         return equation;
     }

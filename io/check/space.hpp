@@ -23,78 +23,11 @@
 #include "../../primitives/objects/scene.hpp"
 #include "../../primitives/objects/site.hpp"
 #include "containment.hpp"
+#include "crossing_walls.hpp"
 #include "tube_part.hpp"
+#include "vectors.hpp"
 
 namespace vcell::check {
-
-template <class T>
-using Vector = std::array<T, 3>;
-
-template <class T>
-Vector<T> to_vector(const Vec3& v) {
-    return {T(v[0]), T(v[1]), T(v[2])};
-}
-template <class T>
-Vector<T> operator+(const Vector<T>& a, const Vector<T>& b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-template <class T>
-Vector<T> operator-(const Vector<T>& a, const Vector<T>& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-template <class T>
-Vector<T> operator*(const T& s, const Vector<T>& a) {
-    return {s * a[0], s * a[1], s * a[2]};
-}
-template <class T>
-T dot(const Vector<T>& a, const Vector<T>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T>
-T square(const Vector<T>& a) {
-    return square(a[0]) + square(a[1]) + square(a[2]);
-}
-template <class T>
-Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-template <class T>
-Vector<T> hull(const Vector<T>& a, const Vector<T>& b) {
-    return {hull(a[0], b[0]), hull(a[1], b[1]), hull(a[2], b[2])};
-}
-template <class T>
-T magnitude(const T& a) {
-    if (a.lower() >= 0) return a;
-    if (a.upper() <= 0) return -a;
-    return hull(T(0.0), hull(a, -a));
-}
-
-/// The direction of v, each coordinate within [-1, 1] whatever v holds.
-template <class T>
-Vector<T> direction(const Vector<T>& v, const T& length) {
-    const auto clip = [](const T& x) {
-        const T unit(-1.0, 1.0);
-        return T(std::max(x.lower(), unit.lower()), std::min(x.upper(), unit.upper()));
-    };
-    return {clip(v[0] / length), clip(v[1] / length), clip(v[2] / length)};
-}
-
-inline Vec3 middle(const Vector<Interval>& v) { return {v[0].mid(), v[1].mid(), v[2].mid()}; }
-/// The box about p that reaches r to either side.
-inline Vector<Interval> box_about(const Vec3& p, double r) {
-    return {Interval::ball(p[0], r), Interval::ball(p[1], r), Interval::ball(p[2], r)};
-}
-/// The box about another one.
-inline Vector<Interval> box_about(const Vector<Interval>& box, double r) {
-    const Interval m(-r, r);
-    return {box[0] + m, box[1] + m, box[2] + m};
-}
-/// Upper bound of the distance of a point of the box from its middle.
-inline double radius(const Vector<Interval>& v) {
-    const double x = v[0].radius(), y = v[1].radius(), z = v[2].radius();
-    // Squares may be lost below normal numbers.
-    return std::sqrt(x * x + y * y + z * z) * (1 + 0x1p-50) + 0x1p-500;
-}
 
 /// An object's surface with a direction of length one.
 template <class T>
@@ -191,8 +124,13 @@ private:
 /// asks for a point of the base, where a vessel's wall is its region's rim.
 struct Condition {
     Site site;
-    bool at_rim =
-        false;  ///< a side of the box that bounds the region of a base plane: asked of the base point
+    /// A side of the box that bounds the region of a base plane: asked of the base point.
+    bool at_rim = false;
+    /// Of a tube that has CrossingWalls: one of these, from which the distance inwards is asked for.
+    std::optional<std::uint8_t> wall = std::nullopt;
+
+    /// Is the excess an object's distance less the clearance? Otherwise it is linear.
+    bool is_of_object() const { return site.is_object() && !wall; }
 };
 
 template <class T>
@@ -207,6 +145,7 @@ public:
         if (base_.kind == Surface<T>::Kind::cylinder) part ? find_stretch(*part) : find_stretch();
         for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
             if (is_beside(scene.objects[i], scene.base)) twins_of_base_.push_back(i);
+        for (std::uint32_t i = 0; i < scene.objects.size(); ++i) find_walls(i);
     }
 
     const Scene& scene() const { return scene_; }
@@ -226,7 +165,31 @@ public:
     T clearance(const Vector<T>& p) const { return base_.distance(p); }
     Vector<T> up(const Vector<T>& p) const { return base_.gradient(p); }
 
+    /// Calls use(condition) with what a site asks of points: of a tube whose axis crosses the base's it is
+    /// two walls.
+    template <class Use>
+    void for_conditions(const Site& site, Use&& use) const {
+        if (site.is_object() && walls_of(site.index)) {
+            for (const std::uint8_t wall : {0, 1}) use(Condition{site, false, wall});
+        } else {
+            use(Condition{site});
+        }
+    }
+    /// What it asks of a boundary's points about p.
+    Condition condition_at(const Site& site, const Vec3& p) const {
+        std::optional<Condition> nearest;
+        double least = HUGE_VAL;
+        for_conditions(site, [&](const Condition& c) {
+            const double off = c.wall ? upper_bound(magnitude(excess(c, to_vector<T>(p)))) : 0;
+            if (nearest && !(off < least)) return;
+            nearest = c;
+            least = off;
+        });
+        return *nearest;
+    }
+
     T excess(const Condition& c, const Vector<T>& p) const {
+        if (c.wall) return walls_of(c.site.index)->inside(*c.wall, p);
         if (c.site.is_object()) {
             const T plain = object_excess(c.site.index, p, clearance(p));
             const auto apart = is_twin_of_base(c.site.index) ? excess_of_twin(c.site.index, p) : std::nullopt;
@@ -253,6 +216,7 @@ public:
     }
 
     Vector<T> gradient(const Condition& c, const Vector<T>& p) const {
+        if (c.wall) return negative(walls_of(c.site.index)->normals[*c.wall]);
         if (c.site.is_object()) {
             const Vector<T> plain = object_gradient(c.site.index, p) - up(p);
             const auto ways = is_twin_of_base(c.site.index) ? ways_of_twin(c.site.index, p) : std::nullopt;
@@ -275,7 +239,7 @@ public:
     /// Are they two balls, or two planes or tubes that are next to each other? Only what is gained depends on
     /// the answer, and what that costs.
     bool are_alike(const Condition& c, const Condition& d) const {
-        if (!c.site.is_object() || !d.site.is_object()) return false;
+        if (!c.is_of_object() || !d.is_of_object()) return false;
         const Object &a = scene_.objects[c.site.index], &b = scene_.objects[d.site.index];
         if (a.index() != b.index() || is_vessel(a)) return false;
         if (std::holds_alternative<Sphere>(a)) return true;
@@ -406,6 +370,23 @@ private:
         return dot(ways->apart, ways->to + ways->from) / sum - (object(i).radius - base_.radius);
     }
 
+    const CrossingWalls<T>* walls_of(std::uint32_t i) const {
+        const auto known = std::ranges::lower_bound(walls_, i, {}, [](const auto& w) { return w.first; });
+        return known != walls_.end() && known->first == i ? &known->second : nullptr;
+    }
+    /// None of one that crosses the stretch itself.
+    void find_walls(std::uint32_t i) {
+        const auto *tube = std::get_if<Cylinder>(&scene_.objects[i]),
+                   *base = std::get_if<Cylinder>(&scene_.base);
+        if (!tube || !base || !cross_equally(*base, *tube)) return;
+        for (const bool is_beyond : {true, false}) {
+            const CrossingWalls<T> walls(*base, *tube, is_beyond);
+            const T y = dot(base_.direction, walls.point - base_.point);
+            if (is_beyond ? y.upper() < stretch_[0].lower() : y.lower() > stretch_[1].upper())
+                walls_.emplace_back(i, walls);
+        }
+    }
+
     template <class F>
     auto with(std::uint32_t i, F f) const {
         if constexpr (std::is_same_v<T, Interval>) {
@@ -496,6 +477,7 @@ private:
     std::vector<Surface<T>> surfaces_;                                 // of all objects, where T is Interval
     std::vector<std::uint32_t> twins_of_base_;                         // ascending
     mutable std::vector<std::pair<std::uint32_t, Surface<T>>> known_;  // of those asked for, elsewhere
+    std::vector<std::pair<std::uint32_t, CrossingWalls<T>>> walls_;    // by objects, ascending
     std::array<T, 2> stretch_;
 };
 

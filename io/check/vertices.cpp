@@ -194,8 +194,8 @@ private:
         T clearance = space.clearance(point);
 
         T excess(const Condition& c) const {
-            return c.site.is_object() ? space.object_excess(c.site.index, point, clearance)
-                                      : space.excess(c, point);
+            return c.is_of_object() ? space.object_excess(c.site.index, point, clearance)
+                                    : space.excess(c, point);
         }
     };
 
@@ -244,7 +244,7 @@ private:
     void add_conditions(const Site& s, const CellVertex& v, bool both,
                         std::vector<Condition>& conditions) const {
         if (s.kind != Site::Kind::BoxSide || !geometry_.is_plane() || is_parallel(s)) {
-            conditions.push_back({s});
+            conditions.push_back(space().condition_at(s, v.point));
             if (both && is_on_rim_of(s, v)) conditions.push_back({Site::base()});
             return;
         }

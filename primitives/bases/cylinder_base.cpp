@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "../forms/axial_ties.hpp"
+#include "../forms/wall_ties.hpp"
 #include "../objects/message.hpp"
 #include "cylinder_forms.hpp"
+#include "given_axis.hpp"
 #include "radial_objects.hpp"
 
 namespace vcell {
@@ -22,6 +24,7 @@ namespace {
 
 using cylinder_forms::CylinderForms;
 using cylinder_forms::CylinderFrame;
+using cylinder_forms::GivenAxis;
 using cylinder_forms::Side;
 using Kind = InputError::Kind;
 
@@ -48,6 +51,36 @@ void add_passing_ties(const Sites& sites, RadialBaseProblem& problem) {
     }
 }
 
+// A form and whose it is.
+struct Entry {
+    std::vector<Site> sites;
+    Object canonical;
+    RadialForm form;
+    bool is_kept = true;
+    bool is_of_floor = false;
+    bool is_of_crossing = false;
+    FormId id{};
+};
+
+// Of sides and crossings, by places among the entries.
+std::vector<WallTie> wall_ties(const std::vector<Entry>& entries) {
+    std::vector<std::uint32_t> places;
+    std::vector<RadialForm> walls;
+    bool has_crossing = false;  // three sides of the box have no line in common
+    for (std::uint32_t i = 0; i < entries.size(); ++i) {
+        const Entry& e = entries[i];
+        const bool is_side = e.sites.front().kind == Site::Kind::BoxSide && !e.is_of_floor;
+        if (!is_side && !e.is_of_crossing) continue;
+        walls.push_back(e.form);
+        places.push_back(i);
+        has_crossing = has_crossing || e.is_of_crossing;
+    }
+    if (!has_crossing) return {};
+    std::vector<WallTie> ties = find_wall_ties(walls);
+    for (WallTie& tie : ties) tie = {places[tie.middle], places[tie.first], places[tie.second]};
+    return ties;
+}
+
 class CylinderProblem {
 public:
     CylinderProblem(const Scene& scene, const Cylinder& base, double unit, const CylinderPart* part)
@@ -57,6 +90,7 @@ public:
           walls_(part != nullptr ? part->walls : scene.box),
           sides_(part != nullptr ? part->sides : std::array<CylinderPart::Wall, 6>{}),
           frame_(scene, base),
+          given_{frame_, base},
           forms_{frame_, base.radius},
           motion_(frame_.rounded()),
           stretch_(part != nullptr ? part->stretch : stretch()),
@@ -71,6 +105,7 @@ public:
     }
 
 private:
+    static constexpr const char* contains_section = "contains a cross section of the base";
     // In box diagonals, some times the rounding of coordinates.
     static constexpr double tie_rounding = 0x1p-50;
 
@@ -139,44 +174,15 @@ private:
         const Vec3& c = sphere.center;
         const Ball ball{c.x(), c.y(), c.z(), sphere.radius};
         const RadialForm f = forms_.form(ball);
-        if (!is_positive(f.c) || touched_before_turn(ball))
-            objects_.fail(
-                Kind::TouchesBase, i,
-                ball.rho >= base_.radius ? "contains a cross section of the base" : "lies in the base");
+        if (!is_positive(f.c) || given_.is_touched_by(ball, stretch_))
+            objects_.fail(Kind::TouchesBase, i,
+                          ball.rho >= base_.radius ? contains_section : "lies in the base");
         // B / W is largest in the ball's direction: the distance of its centre from the axis, plus delta.
         const Exact across2 = f.b[0] * f.b[0] + f.b[2] * f.b[2];
         if (f.b0.sign() != Sign::Positive && (across2 - f.b0 * f.b0).sign() != Sign::Positive)
             objects_.leave_out_unmet(i);
         else
             objects_.balls.add(ball, i);
-    }
-
-    // Is C = 0 or less about the base as it is given? A ball about a point of its axis would come off that as
-    // the base turns, by so little that nothing near it could be told.
-    bool touched_before_turn(const Ball& ball) const {
-        if (frame_.turn == 0) return false;
-        const Vec3 center(ball.cx, ball.cy, ball.cz);
-        const ExactVector d(scaled_axis(base_.axis)), c = ExactVector(center) - ExactVector(base_.point),
-                                                      across = cross(c, d);
-        const Exact delta = Exact(ball.rho) - base_.radius, y = frame_.turned(frame_.from_origin(center)).y;
-        return (dot(across, across) - delta * delta * dot(d, d)).sign() != Sign::Positive &&
-               y >= frame_.norm * stretch_[0] && y <= frame_.norm * stretch_[1];
-    }
-
-    // Likewise of a tube across the base, where the axes are nearest to each other: two of one radius may
-    // cross there, and a thinner one touch it from within.
-    bool touched_before_turn(const Cylinder& cylinder) const {
-        if (frame_.turn == 0) return false;
-        const ExactVector d(scaled_axis(base_.axis)), e(scaled_axis(cylinder.axis)),
-            n = cross(d, e), w = ExactVector(cylinder.point) - ExactVector(base_.point);
-        const Exact square = dot(n, n), apart = dot(w, n), delta = Exact(cylinder.radius) - base_.radius;
-        const Sign room = (apart * apart - delta * delta * square).sign();
-        if (square.sign() == Sign::Zero || room == Sign::Positive ||
-            (room == Sign::Negative && cylinder.radius < base_.radius))
-            return false;
-        const Exact y = square * frame_.turned(frame_.from_origin(base_.point)).y +
-                        dot(cross(w, e), n) * frame_.turned(d).y;
-        return y >= square * frame_.norm * stretch_[0] && y <= square * frame_.norm * stretch_[1];
     }
 
     // Clear of the solid cylinder over the stretch: of the circles at both ends, on one side.
@@ -205,13 +211,19 @@ private:
 
     void add(std::uint32_t i, const Cylinder& cylinder) {
         const CylinderForm f = world_form(cylinder);
+        if (const auto y = frame_.crossing(base_, cylinder)) {
+            for (const Side& wall : walls_of_crossing(i, cylinder, *y))
+                if (!is_positive(forms_.form(wall).c)) objects_.fail(Kind::TouchesBase, i, contains_section);
+            objects_.cylinders.add(f, i);
+            return;
+        }
         const RadialForm height = forms_.form(f);
         const auto pierces = [&] {
             return cylinder.radius < base_.radius && CylinderForms::has_two_roots(height.c);
         };
-        if (!(is_positive(height.c) || pierces()) || touched_before_turn(cylinder))
+        if (!(is_positive(height.c) || pierces()) || given_.is_touched_by(cylinder, stretch_))
             objects_.fail(Kind::TouchesBase, i,
-                          cylinder.radius >= base_.radius ? "contains a cross section of the base"
+                          cylinder.radius >= base_.radius ? contains_section
                                                           : "lies in the base, or touches it from within");
         objects_.cylinders.add(f, i);
     }
@@ -244,6 +256,9 @@ private:
         const Exact along = dot(ExactVector(frame_.origin) - f.apex, f.a) + f.g * base_.radius;
         return (frame_.norm * along + y * frame_.turned(f.a).y).sign() == Sign::Positive;
     }
+    std::array<Side, 2> walls_of_crossing(std::uint32_t i, const Cylinder& tube, double y) const {
+        return forms_.walls_of_crossing(objects_.site(i), base_, tube, y < stretch_[0]);
+    }
     bool is_positive(const std::array<Exact, 3>& c) const { return CylinderForms::is_positive(c, stretch_); }
 
     template <class Tube>
@@ -254,15 +269,6 @@ private:
                 tube.radius};
     }
 
-    // A form and whose it is.
-    struct Entry {
-        std::vector<Site> sites;
-        Object canonical;
-        RadialForm form;
-        bool is_kept = true;
-        bool is_of_floor = false;
-        FormId id{};
-    };
     std::vector<Entry> all_entries() const {
         std::vector<Entry> entries;
         std::vector<std::array<Exact, 6>> rays;  // of rational heights, and whose they are
@@ -287,7 +293,17 @@ private:
                     forms_.form(objects_.planes.of(i)));
             } else if (const auto* cylinder = std::get_if<Cylinder>(&scene_.objects[i])) {
                 const CylinderForm& f = objects_.cylinders.of(i);
-                add(site, canonical_tube(*cylinder, f), forms_.form(f));
+                const auto y = frame_.crossing(base_, *cylinder);
+                if (!y) {
+                    add(site, canonical_tube(*cylinder, f), forms_.form(f));
+                    continue;
+                }
+                for (const Side& wall : walls_of_crossing(i, *cylinder, *y)) {
+                    add(site, Plane{{0, *y, 0}, frame_.rounded(wall.normal).normalized()}, forms_.form(wall));
+                    entries.back().sites =
+                        with_equal_ones(entries.back().sites, objects_, scene_.objects.size());
+                    entries.back().is_of_crossing = true;
+                }
             } else if (const auto* ball = std::get_if<HollowSphere>(&scene_.objects[i])) {
                 add(site, HollowSphere{motion_.to_canonical(ball->center), ball->radius}, forms_.form(*ball));
             } else if (const auto* tube = std::get_if<HollowCylinder>(&scene_.objects[i])) {
@@ -337,7 +353,7 @@ private:
                                      competitor_title(scene_, entries[ray_entries[first[k]]].sites.front()) +
                                      " is as far as the base");
             Entry &kept = entries[ray_entries[first[k]]], &other = entries[ray_entries[k]];
-            kept.sites.push_back(other.sites.front());
+            kept.sites.insert(kept.sites.end(), other.sites.begin(), other.sites.end());
             is_merged[ray_entries[k]] = true;
         }
         std::size_t kept = 0;
@@ -351,10 +367,17 @@ private:
     }
 
     // Every place is within 2 reach (> sqrt(3) reach) of the origin.
-    double moved() const {
-        const double reach = std::max((scene_.box.min - frame_.origin).cwiseAbs().maxCoeff(),
-                                      (scene_.box.max - frame_.origin).cwiseAbs().maxCoeff());
-        return std::max(2 * reach * frame_.turn, moved_by_lengths(scene_));
+    double reach() const {
+        return std::max((scene_.box.min - frame_.origin).cwiseAbs().maxCoeff(),
+                        (scene_.box.max - frame_.origin).cwiseAbs().maxCoeff());
+    }
+    double moved() const { return std::max(2 * reach() * frame_.turn, moved_apart()); }
+    double moved_apart() const {
+        double moved = moved_by_lengths(scene_);
+        for (std::uint32_t i = 0; i < scene_.objects.size(); ++i)
+            if (const auto* tube = std::get_if<Cylinder>(&scene_.objects[i]); tube && objects_.is_kept(i))
+                moved = std::max(moved, 2 * reach() * given_.crossing_turn(*tube));
+        return moved;
     }
 
     RadialBaseProblem make_problem() {
@@ -387,11 +410,16 @@ private:
             entries[tie.middle].is_kept = false;
             if (tie.move <= most_rounded) rounded = std::max(rounded, tie.move);
         }
+        const std::vector<WallTie> ties_of_walls = wall_ties(entries);
+        for (const WallTie& tie : ties_of_walls) entries[tie.middle].is_kept = false;
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
             const Site own = e.sites.front();
-            found.add(own, e.canonical);
+            if (e.is_of_crossing)
+                found.add_one_of(own, e.canonical);
+            else
+                found.add(own, e.canonical);
             problem.given.push_back(own.is_object() ? scene_.objects[scene_.place(own.index)] : e.canonical);
             for (const Site site : std::span(e.sites).subspan(1)) found.join(site, e.id);
             if (e.is_of_floor) problem.floor.push_back(e.id);
@@ -402,12 +430,20 @@ private:
                  with_equal_ones(entries[tie.middle].sites, objects_, scene_.objects.size()))
                 problem.generator_ties.push_back(
                     {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
+        for (const WallTie& tie : ties_of_walls) {
+            const Entry &first = entries[tie.first], &second = entries[tie.second];
+            if (!first.is_kept || !second.is_kept) continue;
+            for (const Site site : entries[tie.middle].sites) {
+                problem.generator_ties.push_back({site, first.id, second.id, true});
+                problem.generator_ties.push_back({site, second.id, first.id, true});
+            }
+        }
         found.add_twins(objects_);
         if (problem.floor.empty()) add_passing_ties(found.sites, problem);
         problem.frame = motion_;
         problem.unit = unit_;
         problem.moved = moved() + rounded;
-        problem.moved_apart = moved_by_lengths(scene_);
+        problem.moved_apart = moved_apart();
         problem.stretch = stretch_;
         problem.region = {{0, 1, -stretch_[0], Site::end(0)},
                           {-1, 0, 3, {}},
@@ -433,6 +469,7 @@ private:
     const Box walls_;  // the scene's box, or what takes its place
     const std::array<CylinderPart::Wall, 6> sides_;
     const CylinderFrame frame_;
+    const GivenAxis given_;
     const CylinderForms forms_;
     const BaseFrame motion_;                         // rounded
     std::array<std::optional<Site>, 2> early_ends_;  // sides before which the stretch ends by end_radius()
@@ -445,6 +482,22 @@ private:
 double end_radius(const Cylinder& base, const Box& box) {
     constexpr double least = 0x1p-26;  // of the box's diagonal
     return std::max(base.radius, least * box.diagonal());
+}
+
+bool cross_equally(const Cylinder& a, const Cylinder& b) {
+    return CylinderFrame::may_cross_equally(a, b) && cylinder_forms::AxesCrossing(a, b).is_one();
+}
+
+std::vector<TubeCrossing> crossing_tubes(const Scene& scene, const Cylinder& base) {
+    std::optional<CylinderFrame> frame;
+    std::vector<TubeCrossing> found;
+    for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const auto* tube = std::get_if<Cylinder>(&scene.objects[i]);
+        if (!tube || !scene.competes(i) || !cross_equally(base, *tube)) continue;
+        if (!frame) frame.emplace(scene, base);
+        found.push_back({i, *frame->crossing(base, *tube)});
+    }
+    return found;
 }
 
 std::optional<Cylinder> base_tube(const Scene& scene) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "radial_base.hpp"
 
@@ -21,6 +22,18 @@ struct CylinderPart {
 
 /// RadialBaseProblem::frame of a scene whose base is this cylinder.
 BaseFrame cylinder_frame(const Scene& scene, const Cylinder& base);
+
+/// Do two tubes of one radius have axes that meet in a point? Exact.
+bool cross_equally(const Cylinder& a, const Cylinder& b);
+
+/// A tube that has the base's radius and an axis that crosses the base's, so high over the base in its frame,
+/// rounded. The bisector is two planes through there, walls on either side.
+struct TubeCrossing {
+    std::uint32_t place;  ///< in Scene::objects
+    double y;
+};
+/// All of them, told exactly.
+std::vector<TubeCrossing> crossing_tubes(const Scene& scene, const Cylinder& base);
 
 /// radial_base_problem() of a scene whose base is this cylinder, or of a part of it.
 RadialBaseProblem cylinder_base_problem(const Scene& scene, const Cylinder& base, double unit,

@@ -1,11 +1,12 @@
 /// The frame of a cylinder base and the forms over it: exact, but for the turn of the base's axis.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -14,6 +15,24 @@
 #include "radial_objects.hpp"
 
 namespace vcell::cylinder_forms {
+
+// Where the axis of the base comes nearest to that of a tube, as both are given: base.point + along / square
+// d.
+struct AxesCrossing {
+    ExactVector d, e;  // directions: of the base, of the tube
+    ExactVector across, way;
+    Exact square, along;
+
+    AxesCrossing(const Cylinder& base, const Cylinder& tube)
+        : d(scaled_axis(base.axis)),
+          e(scaled_axis(tube.axis)),
+          across(cross(d, e)),
+          way(ExactVector(tube.point) - ExactVector(base.point)),
+          square(dot(across, across)),
+          along(dot(cross(way, e), across)) {}
+    // Do they meet there, and nowhere else?
+    bool is_one() const { return !across.is_zero() && dot(way, across).sign() == Sign::Zero; }
+};
 
 // canonical = rotation . (world - origin) / norm. What objects are to each other stays exact; the base's axis
 // turns by a few 2^-53 to become the y axis, or not at all where its length is a double.
@@ -88,6 +107,27 @@ struct CylinderFrame {
         for (double& component : axis)
             if (std::abs(component) < frame_rounding * size) component = 0;
         return axis;
+    }
+
+    // Doubles see of most tubes that they have another radius than the base, or an axis that does not cross
+    // the base's.
+    static bool may_cross_equally(const Cylinder& base, const Cylinder& tube) {
+        constexpr double certain = 0x1p-40;  // far more than rounding
+        if (tube.radius != base.radius) return false;
+        const Vec3 across = scaled_axis(base.axis).cross(scaled_axis(tube.axis));
+        return !across.isZero(0) && std::abs((tube.point - base.point).dot(across)) <=
+                                        certain * (tube.point.norm() + base.point.norm());
+    }
+    // Where its axis crosses the base's as it is given: a height over the base, rounded.
+    std::optional<double> crossing(const Cylinder& base, const Cylinder& tube) const {
+        if (!may_cross_equally(base, tube)) return std::nullopt;
+        const AxesCrossing at(base, tube);
+        if (!at.is_one()) return std::nullopt;
+        return nearest(height(base, at)) / nearest(at.square * norm);
+    }
+    // Times at.square and norm.
+    Exact height(const Cylinder& base, const AxesCrossing& at) const {
+        return at.square * turned(from_origin(base.point)).y + at.along * turned(at.d).y;
     }
 
     // norm times the rotation of p.
@@ -234,6 +274,22 @@ struct CylinderForms {
                 axis.y,
                 {b.x, Exact(), b.z},
                 {axis.x, Exact(), axis.z}};
+    }
+    // Two tubes of one radius whose axes cross are equally near in two planes through there, across that of
+    // the axes and half way between their directions. They are walls, with normals that point away from the
+    // base's axis above the crossing, or below it: as they are given, whatever the base's axis turns by, and
+    // lengths of directions told by two doubles.
+    std::array<Side, 2> walls_of_crossing(Site site, const Cylinder& base, const Cylinder& tube,
+                                          bool is_above) const {
+        const AxesCrossing at(base, tube);
+        const Exact sense(is_above ? 1.0 : -1.0);
+        const ExactVector from = frame.from_origin(base.point), e = length_of(at.d) * at.e,
+                          d = sense * length_of(at.e) * at.d;
+        const auto wall = [&](const ExactVector& n) {
+            return Side{site, frame.turned(at.square * n),
+                        at.square * dot(n, from) + at.along * dot(n, at.d)};
+        };
+        return {wall(e - d), wall(Exact(-1.0) * e - d)};
     }
     // About the line through near / scale along y, as with an axis (0, scale, 0).
     static RadialForm along_base(const ExactVector& near, const Exact& scale, const Exact& delta) {

@@ -51,10 +51,6 @@ double ball_power(const RadialBaseProblem& problem, FormId form) {
     return 4 * f.w * length / std::hypot(f.a, f.b, f.k - f.e);
 }
 
-bool meets_base_axis(const Cylinder& c) {
-    return Exact(c.axis.x()) * Exact(c.point.z()) == Exact(c.axis.z()) * Exact(c.point.x());
-}
-
 bool is_flat(const RadialBaseProblem& problem, FormId form) {
     if (is_wall(problem, form)) return true;
     const BaseChart& chart = problem.chart;
@@ -63,8 +59,7 @@ bool is_flat(const RadialBaseProblem& problem, FormId form) {
         return chart.is_sphere() && sphere->radius == chart.radius;
     const auto* cylinder = std::get_if<Cylinder>(&object);
     if (cylinder == nullptr || chart.is_sphere() || cylinder->radius != chart.radius) return false;
-    const bool is_parallel = cylinder->axis.x() == 0 && cylinder->axis.z() == 0;
-    return is_parallel || meets_base_axis(*cylinder);
+    return cylinder->axis.x() == 0 && cylinder->axis.z() == 0;
 }
 
 bool pierces_base(const RadialBaseProblem& problem, FormId form) {
@@ -82,15 +77,12 @@ bool may_have_tips(const RadialBaseProblem& problem) {
 }
 
 std::string_view bisector_name(const RadialBaseProblem& problem, FormId form) {
-    if (is_wall(problem, form)) return "box";
+    if (problem.sites[form].front().kind == Site::Kind::BoxSide) return "box";
     const Object& object = problem.objects[form];
     const double radius = problem.chart.radius;
     if (!problem.chart.is_sphere()) {
         if (is_flat(problem, form)) return to_string(BisectorKind::Plane);
-        // Axes that cross where the base has turned, and tubes with them, may pass each other there by a
-        // rounding.
-        const BisectorKind kind = bisector_kind(problem.given_base, problem.given[form]);
-        return to_string(kind == BisectorKind::PairOfPlanes ? BisectorKind::Plane : kind);
+        return to_string(bisector_kind(problem.given_base, problem.given[form]));
     }
     if (const auto* vessel = std::get_if<HollowSphere>(&object))
         return to_string(vessel->center.isZero(0) ? BisectorKind::Sphere : BisectorKind::Ellipsoid);

@@ -53,7 +53,7 @@ struct RadialBaseProblem : BaseProblem {
     std::array<double, 2> stretch{-std::numeric_limits<double>::infinity(),
                                   std::numeric_limits<double>::infinity()};
     /// The first site of each form in canonical coordinates; a side of the box is a Plane with outward
-    /// normal, the cap itself a Sphere about the base's centre.
+    /// normal, and so are what is_wall() tells of besides; the cap itself a Sphere about the base's centre.
     IdVector<FormId, Object> objects;
     /// Over a cylinder: the base and the objects of forms as the decided scene has them, in no motion's
     /// rounding. Of sides of the box as above.
@@ -106,12 +106,12 @@ RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
 /// would change it.)
 double ball_power(const RadialBaseProblem& problem, FormId form);
 
-/// Does the cylinder's axis meet that of the base, the y axis, exactly? Pre: they are not parallel.
-bool meets_base_axis(const Cylinder& cylinder);
-
-/// Is it a side of the box?
+/// Is it a side of the box, or one of the planes between a cylinder base and a tube of its radius whose axis
+/// crosses its own? A Plane with outward normal then, which bounds the cell.
 inline bool is_wall(const RadialBaseProblem& problem, FormId f) {
-    return problem.sites[f].front().kind == Site::Kind::BoxSide;
+    return problem.sites[f].front().kind == Site::Kind::BoxSide ||
+           (!problem.chart.is_sphere() && std::holds_alternative<Plane>(problem.objects[f]) &&
+            std::holds_alternative<Cylinder>(problem.given[f]));
 }
 
 /// Is the bisector a plane (a side of the box included)? Exact.

@@ -45,9 +45,11 @@ struct FoundForms {
         sites.reserve(of_object.size() + 6);
         objects.reserve(of_object.size() + 6);
     }
-    void add(Site site, const Object& canonical) {
+    void add(Site site, const Object& canonical) { note(site, add_one_of(site, canonical)); }
+    /// Likewise of an object that has several forms; add_twins() knows nothing of these.
+    FormId add_one_of(Site site, const Object& canonical) {
         objects.push_back(canonical);
-        note(site, sites.add(site));
+        return sites.add(site);
     }
     void join(Site site, FormId f) {
         sites.join(f, site);

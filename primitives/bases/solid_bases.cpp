@@ -305,9 +305,7 @@ std::vector<RadialBaseProblem> around_ball(const Scene& scene, const Scene& draw
 
 std::vector<RadialBaseProblem> around_tube(const Scene& scene, const Cylinder& base, double unit,
                                            double least) {
-    Scene alone = scene;
-    alone.objects.clear();
-    const AxisOfSolids axis(scene, cylinder_base_problem(alone, base, unit), least);
+    const AxisOfSolids axis(scene, cylinder_base_problem(base_alone(scene), base, unit), least);
     std::vector<RadialBaseProblem> problems;
     for (const std::array<double, 2>& stretch : axis.parts()) {
         if (!axis.is_clear(stretch, base.radius))

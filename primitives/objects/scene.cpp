@@ -133,6 +133,13 @@ private:
 
 }  // namespace
 
+Scene base_alone(const Scene& scene) {
+    Scene alone;
+    alone.base = scene.base;
+    alone.box = scene.box;
+    return alone;
+}
+
 std::size_t Scene::place(std::uint32_t number) const {
     if (numbers.empty()) return number;
     return static_cast<std::size_t>(std::ranges::lower_bound(numbers, number) - numbers.begin());

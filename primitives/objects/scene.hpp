@@ -59,6 +59,9 @@ struct Scene {
     std::size_t place(std::uint32_t number) const;
 };
 
+/// The base in its box.
+Scene base_alone(const Scene& scene);
+
 /// Validates a scene on its own: finite numbers, non-zero directions, radii >= 0, a proper box, and
 /// magnitudes whose products stay in the double range: coordinates, radii and components up to 1e60, a
 /// direction's largest component and the box's extents at least 1e-60; a base_object that is the base; a

@@ -318,20 +318,21 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(cells[2][3] == "refused");
     CHECK(cells[3][3] == "computed");
     // Ten objects are named where many have no cells.
-    const auto crossing = [](int count) {
-        std::string text = R"({"vcell": 1, "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "objects": [)";
-        for (int i = 0; i < count; ++i)
-            text += (i > 0 ? "," : "") + std::string(R"({"cylinder": {"point": [0, 0, 0], "axis": [)") +
-                    std::to_string(i + 1) + R"(, 7, 5], "radius": 0.1}})";
+    const auto on_plane = [](int balls) {
+        std::string text = R"({"vcell": 1, "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "objects": [
+                               {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}})";
+        for (int i = 0; i < balls; ++i)
+            text += R"(, {"sphere": {"center": [0, )" + std::to_string(0.125 * i - 0.75) +
+                    R"(, 0.0625], "radius": 0.0625}})";
         return text + "]}";
     };
-    work.write("crossing.json", crossing(12));
-    const Outcome fibres = work.run("diagram crossing.json");
-    CHECK(fibres.status == 3);
-    CHECK(std::count(fibres.err.begin(), fibres.err.end(), '\n') == 11);
-    CHECK(fibres.err.find("12 objects have no cells, ") != std::string::npos);
+    work.write("many.json", on_plane(11));
+    const Outcome many = work.run("diagram many.json");
+    CHECK(many.status == 3);
+    CHECK(std::count(many.err.begin(), many.err.end(), '\n') == 11);
+    CHECK(many.err.find("12 objects have no cells, ") != std::string::npos);
     // The bodies' volume is told all the same.
-    work.write("few.json", crossing(3));
+    work.write("few.json", on_plane(2));
     const Outcome few = work.run("diagram few.json --bodies");
     CHECK(few.status == 3);
     CHECK(std::count(few.err.begin(), few.err.end(), '\n') == 3);

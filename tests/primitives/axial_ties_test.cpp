@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../primitives/forms/axial_ties.hpp"
+#include "../../primitives/forms/wall_ties.hpp"
 #include "../test_support.hpp"
 
 namespace vcell::axial_ties_test {
@@ -115,6 +116,54 @@ TEST_CASE(
     CHECK(found[1] > 20);
     CHECK(found[2] > 5);
     CHECK(found[3] > 5);
+}
+
+// C - 2 t B of a wall, C = c0 + c1 y.
+TEST_CASE("wall ties: of three planes through a line that is left out which no point is beyond alone") {
+    std::mt19937_64 rng(test_seed());
+    const auto number = [&] { return std::uniform_int_distribution(-4, 4)(rng); };
+    using Wall = std::array<int, 4>;  // c0, c1, b_x, b_z
+    const auto form_of = [](const Wall& w) {
+        RadialForm r{};
+        r.c = {Exact(w[0]), Exact(w[1]), Exact()};
+        r.b = {Exact(w[2]), Exact(), Exact(w[3])};
+        return r;
+    };
+    const auto inwards = [](const Wall& w, const Wall& point) {
+        return w[0] * point[0] + w[1] * point[1] - 2 * (w[2] * point[2] + w[3] * point[3]);
+    };
+    int ties = 0, others = 0;
+    for (int round = 0; round < long_rounds(400); ++round) {
+        const Wall first{number(), number(), number(), number()},
+            second{number(), number(), number(), number()};
+        const int a = number(), b = number();
+        Wall third;
+        for (int k = 0; k < 4; ++k) third[k] = a * first[k] + b * second[k];
+        if (round % 4 == 0) ++third[number() & 3];
+        const std::array<Wall, 3> walls{first, second, third};
+        const std::vector found =
+            find_wall_ties(std::vector{form_of(first), form_of(second), form_of(third)});
+        CHECK(found.size() <= 1);
+        for (const WallTie& tie : found) {
+            CHECK(tie.middle + tie.first + tie.second == 3);
+            for (int k = 0; k < 100; ++k) {
+                // Homogeneous points (1 : y : t u), of any sizes.
+                const Wall point{1 + std::abs(number()), number(), number(), number()};
+                const int m = inwards(walls[tie.middle], point), f = inwards(walls[tie.first], point),
+                          g = inwards(walls[tie.second], point);
+                CHECK((m >= 0 || f < 0 || g < 0));
+                CHECK((m != 0 || f < 0 || g < 0 || (f == 0 && g == 0)));
+            }
+        }
+        (found.empty() ? others : ties) += 1;
+    }
+    CHECK(ties > long_rounds(400) / 4);
+    CHECK(others > long_rounds(400) / 4);
+    // Sides x <= 2 and z <= 2 and a wall through their edge, which holds more than either or less.
+    const RadialForm x = form_of({4, 0, 1, 0}), z = form_of({4, 0, 0, 1});
+    CHECK(find_wall_ties(std::vector{x, z, form_of({8, 0, 1, 1})}) == std::vector{WallTie{2, 0, 1}});
+    CHECK(find_wall_ties(std::vector{x, z, form_of({4, 0, 2, -1})}) == std::vector{WallTie{0, 1, 2}});
+    CHECK(find_wall_ties(std::vector{x, z, form_of({7, 0, 1, 1})}).empty());
 }
 
 }  // namespace vcell::axial_ties_test

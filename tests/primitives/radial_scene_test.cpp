@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "../../primitives/bases/cylinder_base.hpp"
 #include "../../primitives/bases/nested_balls.hpp"
 #include "radial_base_checks.hpp"
 
@@ -235,6 +236,46 @@ TEST_CASE("radial base: cylinders of one radius that cross are told from those t
         CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Cylinder{c + Vec3(0, 1, 0), a, 0.25}));
         CHECK_FALSE(cross(base, Cylinder{c + 2 * a, a, 0.25}, Sphere{c + Vec3(0, 1, 0), 0.25}));
     }
+}
+
+TEST_CASE("radial base: a tube of the base's radius whose axis crosses its own is two walls") {
+    const Vec3 crossing(0.5, -1, 2);
+    for (const Vec3& along : {Vec3(0, 0, 1), Vec3(0, -2, 0), Vec3(1, 1, 0), Vec3(1, -2, 3)})
+        for (const Vec3& across : {Vec3(1, 0, 0), Vec3(-1, 1, 2), Vec3(3, 2, -1)})
+            for (const double before : {-8.0, 8.0}) {
+                const Cylinder base{crossing + before * along, along, 0.25};
+                const Cylinder tube{crossing - across, 2 * across, 0.25};
+                Scene scene = scene_of(base, {tube, tube}, 3);
+                scene.box = {base.point + scene.box.min, base.point + scene.box.max};
+                const std::vector<TubeCrossing> crossings = crossing_tubes(scene, base);
+                REQUIRE(crossings.size() == 2);
+                const RadialBaseProblem problem = problem_of(scene);
+                CHECK((problem.frame.to_world({0, crossings[0].y, 0}) - crossing).norm() < 1e-13);
+                int walls = 0;
+                for (const FormId f : problem.sites.ids()) {
+                    if (problem.sites[f].front() != Site::object(0)) continue;
+                    // Its twin has both, too.
+                    CHECK(sites_of(problem, f) == std::vector{Site::object(0), Site::object(1)});
+                    CHECK(is_wall(problem, f));
+                    CHECK(bisector_name(problem, f) == "plane");
+                    const auto& wall = std::get<Plane>(problem.objects[f]);
+                    CHECK(wall.normal.dot(Vec3(0, 0.5 * (problem.stretch[0] + problem.stretch[1]), 0) -
+                                          wall.point) < 0);
+                    // Its points are as far from one axis as from the other.
+                    const Vec3 aside = wall.normal.unitOrthogonal();
+                    for (const Vec3& way : {aside, Vec3(aside.cross(wall.normal))}) {
+                        const Vec3 p = problem.frame.to_world(wall.point + 3 * way) - crossing;
+                        CHECK(p.cross(along.normalized()).norm() ==
+                              doctest::Approx(p.cross(across.normalized()).norm()).epsilon(1e-14));
+                    }
+                    ++walls;
+                }
+                CHECK(walls == 2);
+                // Those that all but cross are tubes.
+                scene.objects = {Cylinder{tube.point + 0x1p-44 * along.cross(across), across, 0.25},
+                                 Cylinder{tube.point, across, 0.25 + 0x1p-50}};
+                CHECK(crossing_tubes(scene, base).empty());
+            }
 }
 
 TEST_CASE("radial base: a tilted cylinder leaves alone what objects are to each other") {

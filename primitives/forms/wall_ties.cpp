@@ -1,0 +1,91 @@
+#include "wall_ties.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace vcell {
+
+namespace {
+
+using Coefficients = std::array<Exact, 4>;
+
+Coefficients coefficients(const RadialForm& f) { return {f.c[0], f.c[1], f.b[0], f.b[2]}; }
+
+// By places; the other way around in the list.
+std::optional<WallTie> tie_of(const std::vector<Coefficients>& walls, std::uint32_t first,
+                              std::uint32_t second, std::uint32_t third) {
+    const Coefficients &s = walls[first], &t = walls[second], &w = walls[third];
+    for (std::size_t i = 0; i < w.size(); ++i)
+        for (std::size_t k = i + 1; k < w.size(); ++k) {
+            const Exact divisor = s[i] * t[k] - s[k] * t[i];
+            if (divisor.sign() == Sign::Zero) continue;
+            // divisor w = a s + b t
+            const Exact a = w[i] * t[k] - w[k] * t[i], b = s[i] * w[k] - s[k] * w[i];
+            for (std::size_t j = 0; j < w.size(); ++j)
+                if (divisor * w[j] != a * s[j] + b * t[j]) return std::nullopt;
+            if (a.sign() == Sign::Zero || b.sign() == Sign::Zero) return std::nullopt;
+            const bool has_first = a.sign() == divisor.sign(), has_second = b.sign() == divisor.sign();
+            if (has_first && has_second) return WallTie{third, first, second};
+            // What one of them is less the other one.
+            if (has_first) return WallTie{first, second, third};
+            if (has_second) return WallTie{second, first, third};
+            return std::nullopt;  // nothing is inwards from all three
+        }
+    return std::nullopt;
+}
+
+// A number that tells the line that two walls have in common from most others: a linear function of the unit
+// vector of the minors of their coefficients, but for its sign. NaN of equal ones.
+double key_of(const std::array<double, 4>& f, const std::array<double, 4>& g) {
+    constexpr std::array<double, 6> unlike{0.61, -0.37, 0.53, 0.29, -0.83, 0.71};
+    double key = 0, square = 0;
+    for (std::size_t i = 0, n = 0; i < 4; ++i)
+        for (std::size_t k = i + 1; k < 4; ++k, ++n) {
+            const double minor = f[i] * g[k] - f[k] * g[i];
+            key += unlike[n] * minor;
+            square += minor * minor;
+        }
+    return std::abs(key) / std::sqrt(square);
+}
+
+std::array<double, 4> rounded(const Coefficients& f) {
+    std::array<double, 4> result;
+    std::ranges::transform(f, result.begin(), [](const Exact& x) { return x.enclosure().mid(); });
+    const double size = std::abs(std::ranges::max(result, {}, [](double x) { return std::abs(x); }));
+    for (double& x : result) x /= size;
+    return result;
+}
+
+}  // namespace
+
+std::vector<WallTie> find_wall_ties(std::span<const RadialForm> walls) {
+    constexpr double same = 0x1p-30;  // far more than rounding
+    std::vector<Coefficients> exact;
+    std::vector<std::array<double, 4>> numbers;
+    for (const RadialForm& wall : walls) {
+        exact.push_back(coefficients(wall));
+        numbers.push_back(rounded(exact.back()));
+    }
+    struct Other {
+        double key;
+        std::uint32_t wall;
+    };
+    std::vector<WallTie> ties;
+    std::vector<Other> others;
+    for (std::uint32_t i = 0; i < walls.size(); ++i) {
+        others.clear();
+        for (std::uint32_t j = i + 1; j < walls.size(); ++j)
+            if (const double key = key_of(numbers[i], numbers[j]); std::isfinite(key))
+                others.push_back({key, j});
+        std::ranges::sort(others, {}, &Other::key);
+        for (std::size_t p = 0; p < others.size(); ++p)
+            for (std::size_t q = p + 1; q < others.size() && others[q].key - others[p].key < same; ++q)
+                if (const auto tie = tie_of(exact, i, others[p].wall, others[q].wall)) ties.push_back(*tie);
+    }
+    return ties;
+}
+
+}  // namespace vcell

@@ -1,0 +1,27 @@
+/// Over a cylinder: which of three planes through one line is nowhere the nearest one.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "radial_form.hpp"
+
+namespace vcell {
+
+/// The forms f of walls, planes that bound the cell themselves, are proportional to what is left of the way
+/// inwards, C - 2 t B, which is linear in their coefficients. So f_m = a f_1 + b f_2 with a, b > 0 is
+/// positive wherever both others are, and 0 only where these are: on the line that all three have in common,
+/// an edge of the box, say.
+struct WallTie {
+    std::uint32_t middle;
+    std::uint32_t first, second;  ///< by their places in the list
+
+    bool operator==(const WallTie&) const = default;
+};
+
+/// All ties of that kind; each is exact. Those of walls that are next to parallel may be missed. Takes as
+/// long as sorting all pairs.
+std::vector<WallTie> find_wall_ties(std::span<const RadialForm> walls);
+
+}  // namespace vcell
