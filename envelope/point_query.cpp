@@ -1,15 +1,18 @@
 #include "point_query.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <variant>
 
 #include "../core/numbers/exact.hpp"
 #include "../core/platform.hpp"
+#include "../primitives/bases/cylinder_base.hpp"
 #include "../primitives/bases/plane_base.hpp"
 #include "../primitives/bases/radial_base.hpp"
 #include "../primitives/forms/exact_heights.hpp"
 #include "../primitives/objects/decided_scene.hpp"
+#include "axis_parts.hpp"
 #include "recursion/form_locator.hpp"
 
 namespace vcell {
@@ -135,15 +138,43 @@ public:
     }
 };
 
+// Of a tube that others hold or cross somewhere.
+std::optional<AxisParts> axis_in_parts(const Scene& scene) {
+    const std::optional<Cylinder> base = base_tube(scene);
+    if (!base) return std::nullopt;
+    AxisParts axis(scene, *base, scene.box, cylinder_frame(scene, *base));
+    if (!axis.are_any_held() && !axis.are_any_crossed()) return std::nullopt;
+    return axis;
+}
+
 }  // namespace
 
 struct PointQuery::Bases {
     template <class Base, class Problem>
-    Bases(std::in_place_type_t<Base> over, Problem&& problem)
-        : warnings(problem.warnings), base(over, std::forward<Problem>(problem)) {}
+    void add(Problem problem) {
+        for (const std::string& warning : problem.warnings)
+            if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
+        bases.push_back(std::make_unique<std::variant<OverPlane, OverCurved>>(std::in_place_type<Base>,
+                                                                              std::move(problem)));
+    }
+    // What of a tube's stretch others hold or cross is in no part.
+    void add_parts(const DecidedScene& decided, const AxisParts& axis) {
+        const Scene& scene = decided.scene;
+        const auto& base = std::get<Cylinder>(scene.base);
+        const auto [low, high] = cylinder_base_problem(base_alone(scene), base, decided.unit).stretch;
+        for (const std::array<double, 2>& whole : axis.parts()) {
+            const std::array<double, 2> part{std::max(whole[0], low), std::min(whole[1], high)};
+            if (!(part[0] < part[1])) continue;
+            axis.on_clear_stretch(whole, [&](const auto&, const std::array<double, 2>& clear) {
+                const std::array<double, 2> stretch{std::max(clear[0], low), std::min(clear[1], high)};
+                const CylinderPart on_base{scene.box, stretch, {}};
+                add<OverCurved>(cylinder_base_problem(scene, base, decided.unit, &on_base));
+            });
+        }
+    }
 
     std::vector<std::string> warnings;
-    std::variant<OverPlane, OverCurved> base;
+    std::vector<std::unique_ptr<std::variant<OverPlane, OverCurved>>> bases;
     std::optional<Site> cap = std::nullopt;  // as an object
 };
 
@@ -151,11 +182,13 @@ PointQuery::PointQuery(const Scene& scene)
     : bases_(in_ieee_arithmetic("PointQuery", [&] {
           validate(scene);
           const DecidedScene decided = decide(scene);
-          auto bases = std::holds_alternative<Plane>(scene.base)
-                           ? std::make_unique<Bases>(std::in_place_type<OverPlane>,
-                                                     plane_base_problem(decided.scene, decided.unit))
-                           : std::make_unique<Bases>(std::in_place_type<OverCurved>,
-                                                     radial_base_problem(decided.scene, decided.unit));
+          auto bases = std::make_unique<Bases>();
+          if (std::holds_alternative<Plane>(scene.base))
+              bases->add<OverPlane>(plane_base_problem(decided.scene, decided.unit));
+          else if (const auto axis = axis_in_parts(decided.scene))
+              bases->add_parts(decided, *axis);
+          else
+              bases->add<OverCurved>(radial_base_problem(decided.scene, decided.unit));
           if (scene.probe) bases->cap = decided.cap();
           return bases;
       })) {}
@@ -165,7 +198,11 @@ PointQuery& PointQuery::operator=(PointQuery&&) noexcept = default;
 PointQuery::~PointQuery() = default;
 
 std::optional<PointAnswer> PointQuery::operator()(const Vec3& world) {
-    auto answer = std::visit([&](auto& base) { return base(world); }, bases_->base);
+    std::optional<PointAnswer> answer;
+    for (const auto& base : bases_->bases) {
+        answer = std::visit([&](auto& over) { return over(world); }, *base);
+        if (answer) break;
+    }
     if (answer && bases_->cap && answer->site == *bases_->cap) answer->site = Site::cap();
     return answer;
 }

@@ -30,7 +30,8 @@ public:
     ~PointQuery();
 
     /// About the ray through a world point along the base's normal, decided exactly for the point that
-    /// canonical position rounds it to. None: the ray starts outside the base region.
+    /// canonical position rounds it to. None: the ray starts outside the base region, or on a tube's axis
+    /// where another object holds or crosses it (AxisParts).
     ///
     /// Over a sphere or a cylinder it is the ray from the centre or axis in the direction that the chart's
     /// coordinates, in double, round the canonical point's to; along it, the point's exact distance decides.

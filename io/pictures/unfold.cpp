@@ -53,8 +53,8 @@ public:
     Vec2 half() const { return {1, 1}; }
     Vec2 middle(const Side& side) const { return {2.0 * side.column, 2.0 * side.row}; }
     Vec2 placed(const Vec2& middle, const Vec2& p) const { return middle + p; }
-    double deviation(const Vec3& chord, const Vec3& middle) const {
-        return (chord.normalized() - middle.normalized()).norm();
+    double deviation(const Vec3& from, const Vec3& middle, const Vec3& to) const {
+        return ((from + to).normalized() - middle.normalized()).norm();
     }
     double reach(const Vec3& p) const { return std::max(std::abs(p.x()), std::abs(p.y())); }
     Vec2 retracted(const Vec3& p, const Vec3&) const { return p.head<2>() / std::max(reach(p), p.z()); }
@@ -83,9 +83,18 @@ public:
         return {2 * side.column * half().x(), 2 * side.row * half().y() + 0.5 * (low_ + high_)};
     }
     Vec2 placed(const Vec2& middle, const Vec2& p) const { return {middle.x() + half().x() * p.x(), p.y()}; }
-    double deviation(const Vec3& chord, const Vec3& middle) const {
-        const auto across = [](const Vec3& p) { return Vec2(p.x(), p.z()).normalized().eval(); };
-        return (across(chord) - across(middle)).norm() + std::abs(chord.y() - middle.y()) / half().y();
+    /// From the image of the chord, which is drawn straight, though that of a line is not.
+    double deviation(const Vec3& from, const Vec3& middle, const Vec3& to) const {
+        const bool is_ahead = std::abs(middle.z()) >= std::abs(middle.x());
+        const auto out = [&](const Vec3& p) { return is_ahead ? p.z() : p.x(); };
+        if (out(from) * out(middle) <= 0 || out(to) * out(middle) <= 0)
+            return std::numeric_limits<double>::infinity();
+        const auto image = [&](const Vec3& p) {
+            return Vec2((is_ahead ? p.x() : p.z()) / out(p), p.y() / half().y());
+        };
+        const Vec2 chord = image(to) - image(from), way = image(middle) - image(from);
+        const double share = chord.isZero(0) ? 0 : std::clamp(way.dot(chord) / chord.squaredNorm(), 0.0, 1.0);
+        return (way - share * chord).norm();
     }
     double reach(const Vec3& p) const { return std::abs(p.x()); }
     Vec2 retracted(const Vec3& p, const Vec3& middle) const {
@@ -140,7 +149,7 @@ public:
         bool is_first = true;
         for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
             const Vec3 p = leaned(a + halves[i] * (b - a)), q = leaned(a + halves[i + 1] * (b - a));
-            // Places between which the chord's image is straight.
+            // Places between which the chord's image is straight, or drawn so.
             std::vector<double> at{0, 1};
             sides_.add_cuts(p, q, at);
             std::sort(at.begin(), at.end());
@@ -230,18 +239,14 @@ private:
 
     // ---- Curves as polylines ----
 
-    /// How far the middle of a chord is from the curve, as the picture's panels show it.
-    double deviation(const Vec3& from, const Vec3& middle, const Vec3& to) const {
-        return sides_.deviation(0.5 * (from + to), middle);
-    }
-
     template <class Curve>
     void refine(const Curve& curve, double from, double to, int depth, Directions& points) const {
         constexpr double tolerance = 2e-5;  // of a panel's half
         constexpr int deepest = 12;
         const double half_way = 0.5 * (from + to);
         const Vec3 end = curve(to);
-        if (depth < deepest && deviation(points.back(), curve(half_way), end) > tolerance) {
+        // How far the curve is from a chord, as the picture's panels show it.
+        if (depth < deepest && sides_.deviation(points.back(), curve(half_way), end) > tolerance) {
             refine(curve, from, half_way, depth + 1, points);
             refine(curve, half_way, to, depth + 1, points);
         } else {
@@ -385,7 +390,7 @@ private:
 }  // namespace
 
 Unfolding unfold(const Cell& cell, std::span<const std::vector<Vec3>> lines) {
-    const RadialBaseProblem problem = radial_base_problem(cell.scene);
+    const RadialBaseProblem problem = radial_base_problem(base_alone(cell.scene));
     return problem.chart.is_sphere() ? Unfolder<Cube>(cell, problem).unfold(lines)
                                      : Unfolder<Strips>(cell, problem).unfold(lines);
 }

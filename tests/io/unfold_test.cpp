@@ -136,13 +136,19 @@ TEST_CASE(
     "unfold: points of the strips around a cylinder lie in the face of the nearest site, and in no other") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(-1, 1);
-    for (const std::string name : {"figure10", "tube_three_balls_plane", "three_tubes", "bundle"}) {
-        CAPTURE(name);
-        const Scene scene = read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json");
+    std::vector<Scene> scenes;
+    for (const std::string name : {"figure10", "tube_three_balls_plane", "three_tubes", "bundle"})
+        scenes.push_back(read_scene(VCELL_EXAMPLE_SCENES "/" + name + ".json"));
+    // Planes, whose edges are straight in space and not in the picture.
+    Scene& net = scenes.emplace_back();
+    net.base = Cylinder{Vec3::Zero(), {0, 0, 1}, 0.25};
+    net.objects = {Cylinder{Vec3::Zero(), {4, 2, 1}, 0.25}, Cylinder{{0, 0, 2}, {1, 4, 0}, 0.25}};
+    net.box = {Vec3::Constant(-3), Vec3::Constant(3)};
+    for (const Scene& scene : scenes) {
         const Cell cell = voronoi_cell(scene);
         const Unfolding picture = unfold(cell);
         REQUIRE(picture.panels.size() == 4);
-        const BaseFrame frame = radial_base_problem(scene).frame;
+        const BaseFrame frame = radial_base_problem(base_alone(scene)).frame;
         const double radius = std::get<Cylinder>(scene.base).radius;
         const std::array<std::string, 4> sides{"-x", "+z", "+x", "-z"};  // canonical axes
         for (std::size_t s = 0; s < sides.size(); ++s) {
