@@ -141,6 +141,31 @@ Scene beads(std::mt19937_64& rng, BaseKind kind) {
     return scene;
 }
 
+// Tubes of one radius whose axes cross in a point: of the base's axis or of one beside the base, of any
+// numbers or of quarters.
+Scene crossings(std::mt19937_64& rng, BaseKind kind) {
+    Builder b(rng, kind);
+    const bool are_quarters = b.chance(0.5);
+    const double radius = 0.125 * b.count(0, 2);
+    b.put_base(radius, are_quarters);
+    const auto direction = [&] { return are_quarters ? b.integer_direction(2) : b.direction(); };
+    const auto* base = std::get_if<Cylinder>(&b.scene().base);
+    Vec3 crossing = Vec3::Zero();
+    if (base && are_quarters)
+        crossing = 0.25 * b.count(-4, 4) * base->axis;
+    else if (!base)
+        crossing = are_quarters ? Vec3(0.25 * b.integers(6)) : b.place(1.5);
+    // What crosses a base is legal only alone: what touches that is told from it.
+    std::vector<Object> tubes;
+    for (int i = b.count(1, 3); i > 0; --i) tubes.push_back(Cylinder{crossing, direction(), radius});
+    if (!base) b.add_some(b.count(2, 3), [&] { return Cylinder{crossing, direction(), radius}; });
+    b.add_mix(b.count(0, 3), 0, b.count(0, 1));
+    Scene scene = b.done();
+    if (std::holds_alternative<Cylinder>(scene.base))
+        scene.objects.insert(scene.objects.begin(), tubes.begin(), tubes.end());
+    return scene;
+}
+
 // Thin tubes through a ball or tube next to its centre or axis, the base or one beside it, of any numbers or
 // of quarters.
 Scene pierced(std::mt19937_64& rng, BaseKind kind) {
@@ -479,6 +504,8 @@ constexpr Family all[] = {
     {"fibres", "tubes of one radius, axes 1e-6 to 1 from each other: they cut each other", fibres},
     {"integers", "planes, points, lines, balls and tubes of small integers", integers},
     {"beads", "balls and tubes that hold cross sections of the base tube, or of one beside the base", beads},
+    {"crossings", "tubes of one radius whose axes cross in a point, of the base's axis or beside it",
+     crossings},
     {"pierced", "thin tubes through a ball or tube next to its centre or axis", pierced},
     {"equals", "balls and tubes of the base's radius, of small integers: planes through edges of the box",
      equals},
