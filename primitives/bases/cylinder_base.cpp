@@ -424,6 +424,11 @@ private:
             for (const Site site : std::span(e.sites).subspan(1)) found.join(site, e.id);
             if (e.is_of_floor) problem.floor.push_back(e.id);
             problem.family.radial.push_back(CylinderForms::turned(e.form));
+            // As long as no turn has moved the base between it and the tube.
+            if (e.is_of_crossing && frame_.turn == 0)
+                problem.family.tubes_of_walls.push_back(
+                    {e.id, CylinderForms::turned(forms_.form(
+                               objects_.cylinders.of(static_cast<std::uint32_t>(scene_.place(own.index)))))});
         }
         for (const AxialTie& tie : ties)
             for (const Site site :

@@ -1,5 +1,6 @@
 #include "crossing.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vcell {
@@ -17,8 +18,11 @@ struct Tube {
             set(family.cylinder(f));
             return;
         }
-        const RadialForm& h = family.radial_form(f);
-        const long unit = std::ilogb(family.axial_unit);
+        const auto of_wall =
+            std::ranges::lower_bound(family.tubes_of_walls, f, {}, &FormFamily::TubeOfWall::wall);
+        const bool is_wall = of_wall != family.tubes_of_walls.end() && of_wall->wall == f;
+        const RadialForm& h = is_wall ? of_wall->tube : family.radial_form(f);
+        const long unit = is_wall ? 0 : std::ilogb(family.axial_unit);
         axis = {h.a[0], h.a[1] + h.slope.scaled(-unit), h.a[2]};
         moment = {h.b[0], h.b[1] - h.c[1].scaled(-unit - 1), h.b[2]};
         length2 = dot(axis, axis);

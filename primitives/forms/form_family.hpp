@@ -28,6 +28,15 @@ struct FormFamily : CircularFamily {
     double axial_unit = 1;                ///< of y over a cylinder; a power of two
     AxialTips tips;                       ///< over a cylinder, in that unit
 
+    /// Of a wall that is half of the bisector with a tube whose axis crosses that of a base cylinder: the
+    /// tube's form, in lengths of `chart` whatever axial_unit is. Wherever the wall is met, so is the tube,
+    /// with the same gradient.
+    struct TubeOfWall {
+        FormId wall;
+        RadialForm tube;
+    };
+    std::vector<TubeOfWall> tubes_of_walls;  ///< ascending
+
     /// Where in the chart forms are nowhere lower than all others, those that are there as low included: over
     /// a cylinder, y in that unit, about ties (RingTie, PassingTie); elsewhere sides of the box and, over a
     /// sphere, what ties along circles (CircleTie), which are so everywhere.

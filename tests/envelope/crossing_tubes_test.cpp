@@ -155,6 +155,20 @@ TEST_CASE("cylinder cell: tubes of its radius whose axes cross its own leave it 
         }
 }
 
+// One of them is two walls to the base, which it crosses elsewhere.
+TEST_CASE("cylinder cell: nodes of tubes that cross, one of which crosses the base, too, are decided") {
+    const Cylinder base{Vec3::Zero(), {0, 1, 0}, 0.5}, first{Vec3::Zero(), {1, 0, 0}, 0.5};
+    int nodes = 0;
+    for (const Vec3& axis : {Vec3(0, 1, 2), Vec3(0, -2, 1), Vec3(1, 1, 2)}) {
+        const Cell cell = voronoi_cell(about_tube(base, 4, {first, Cylinder{{2, 0, 0}, axis, 0.5}}));
+        CHECK(cell.report.decisions.assumed == 0);
+        nodes += static_cast<int>(std::ranges::count_if(cell.vertices, [](const CellVertex& v) {
+            return std::ranges::equal(v.sites, std::array{Site::object(0), Site::object(1)});
+        }));
+    }
+    CHECK(nodes > 0);
+}
+
 TEST_CASE("cells: among tubes of one radius that cross but for rounding") {
     // Edges turn from one plane between the axes to the other within 1e-8; doubles lose them within 1e-6.
     const Eigen::Matrix3d turn = Eigen::Quaterniond(0.8, 0.3, -0.4, 0.33).normalized().toRotationMatrix();
