@@ -1,5 +1,6 @@
-/// A tube of a base tube's radius whose axis crosses the base's own: both are equally near in two planes, of
-/// which on either side of the crossing each bounds the cell like a side of the box.
+/// A tube of a base tube's radius whose axis crosses the base's own: both are equally near in two planes
+/// through there. What of the cell has its feet on one side of the crossing lies between them, so that there
+/// they take the tube's place, like sides of the box.
 #pragma once
 
 #include <array>
@@ -21,10 +22,10 @@ inline bool cross_equally(const Cylinder& a, const Cylinder& b) {
 template <class T>
 struct CrossingWalls {
     Vector<T> point;
-    /// Unit, outwards: away from the base's axis beyond the crossing in its direction, or before that.
+    /// Unit, and outwards as seen from the base's axis beyond the crossing, or before it.
     std::array<Vector<T>, 2> normals;
 
-    /// In Wide numbers, as axes may be all but parallel. Pre: they cross.
+    /// They are computed in Wide numbers, as axes may be all but parallel. Pre: these cross.
     CrossingWalls(const Cylinder& base, const Cylinder& tube, bool is_beyond) {
         const auto unit = [](const Vec3& v) {
             const Vector<Wide> w = to_vector<Wide>(v);

@@ -374,7 +374,7 @@ private:
         const auto known = std::ranges::lower_bound(walls_, i, {}, [](const auto& w) { return w.first; });
         return known != walls_.end() && known->first == i ? &known->second : nullptr;
     }
-    /// None of one that crosses the stretch itself.
+    /// A tube that crosses the stretch itself has none: that is a part's, on one side of all crossings.
     void find_walls(std::uint32_t i) {
         const auto *tube = std::get_if<Cylinder>(&scene_.objects[i]),
                    *base = std::get_if<Cylinder>(&scene_.base);
