@@ -459,6 +459,9 @@ Clearances clearances(const Subject& subject, const Frame& frame) {
             if (is_vessel(object)) return std::nullopt;
             const auto& tube = std::get<Cylinder>(object);
             if (over_plane) return std::nullopt;
+            // Its walls come to the axis where that ends or is cut.
+            if (const auto* base = std::get_if<Cylinder>(&scene.base); base && cross_equally(*base, tube))
+                return std::nullopt;
             const Triad<Interval> d = frame.direction(tube.axis / tube.axis.cwiseAbs().maxCoeff()),
                                   c = frame.point(tube.point);
             const Interval r = frame.length(tube.radius);
