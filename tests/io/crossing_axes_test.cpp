@@ -29,11 +29,6 @@ Scene scene_of(const Cylinder& base, std::vector<Object> objects, double half) {
     return scene;
 }
 
-void check_holds(const Cell& cell) {
-    const Certificate certificate = certify(cell);
-    CHECK_MESSAGE(certificate.holds(), listing(certificate));
-}
-
 struct Random {
     std::mt19937_64 rng{test_seed()};
 

@@ -1,5 +1,7 @@
-/// What a certificate leaves unproved, for the messages of tests.
+/// What a certificate leaves unproved, for tests.
 #pragma once
+
+#include <doctest/doctest.h>
 
 #include <string>
 
@@ -13,6 +15,12 @@ inline std::string listing(const Certificate& certificate) {
         if (e.verdict != Verdict::proved)
             text += e.where + " is " + std::string(to_string(e.verdict)) + ": " + e.what + "\n";
     return text;
+}
+
+/// All of it is proved.
+inline void check_holds(const Cell& cell) {
+    const Certificate certificate = certify(cell);
+    CHECK_MESSAGE(certificate.holds(), listing(certificate));
 }
 
 }  // namespace vcell

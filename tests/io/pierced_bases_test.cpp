@@ -54,11 +54,6 @@ Scene scene_of(const Object& base, std::vector<Object> objects, double half) {
     return scene;
 }
 
-void check_holds(const Cell& cell) {
-    const Certificate certificate = certify(cell);
-    CHECK_MESSAGE(certificate.holds(), listing(certificate));
-}
-
 }  // namespace
 
 TEST_CASE("pierced: cells of random balls and tubes are proved") {
