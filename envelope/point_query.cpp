@@ -138,7 +138,7 @@ public:
     }
 };
 
-// Of a tube that others hold or cross somewhere.
+// The axis of a tube that others hold or cross somewhere comes in parts.
 std::optional<AxisParts> axis_in_parts(const Scene& scene) {
     const std::optional<Cylinder> base = base_tube(scene);
     if (!base) return std::nullopt;

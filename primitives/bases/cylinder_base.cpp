@@ -62,7 +62,7 @@ struct Entry {
     FormId id{};
 };
 
-// Of sides and crossings, by places among the entries.
+// Ties of the box's sides and of walls between crossing axes name these by their places among the entries.
 std::vector<WallTie> wall_ties(const std::vector<Entry>& entries) {
     std::vector<std::uint32_t> places;
     std::vector<RadialForm> walls;

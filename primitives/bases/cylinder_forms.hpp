@@ -125,7 +125,7 @@ struct CylinderFrame {
         if (!at.is_one()) return std::nullopt;
         return nearest(height(base, at)) / nearest(at.square * norm);
     }
-    // Times at.square and norm.
+    // That height is multiplied by at.square and norm.
     Exact height(const Cylinder& base, const AxesCrossing& at) const {
         return at.square * turned(from_origin(base.point)).y + at.along * turned(at.d).y;
     }

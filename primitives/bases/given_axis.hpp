@@ -1,5 +1,5 @@
 /// What objects are to a base cylinder's axis as it is given. That turns by a few 2^-53 with its frame
-/// (cylinder_forms.hpp), and what touches or crosses the axis before would come off it, or on.
+/// (cylinder_forms.hpp), and what touched or crossed the axis before would come off it.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,7 @@ struct GivenAxis {
         return y >= at.square * frame.norm * stretch[0] && y <= at.square * frame.norm * stretch[1];
     }
 
-    // By what angle the planes between crossing axes turn at most, as lengths of directions are rounded.
+    // Planes between crossing axes turn by this angle at most, as lengths of directions are rounded.
     double crossing_turn(const Cylinder& tube) const {
         constexpr double rounding = 0x1p-103;
         if (!frame.crossing(base, tube)) return 0;

@@ -28,9 +28,9 @@ struct FormFamily : CircularFamily {
     double axial_unit = 1;                ///< of y over a cylinder; a power of two
     AxialTips tips;                       ///< over a cylinder, in that unit
 
-    /// Of a wall that is half of the bisector with a tube whose axis crosses that of a base cylinder: the
-    /// tube's form, in lengths of `chart` whatever axial_unit is. Wherever the wall is met, so is the tube,
-    /// with the same gradient.
+    /// A wall may be half of the bisector with a tube whose axis crosses that of a base cylinder. Wherever it
+    /// is met, so is the tube, with the same gradient: this is the tube's form, in lengths of `chart`
+    /// whatever axial_unit is.
     struct TubeOfWall {
         FormId wall;
         RadialForm tube;

@@ -14,7 +14,7 @@ using Coefficients = std::array<Exact, 4>;
 
 Coefficients coefficients(const RadialForm& f) { return {f.c[0], f.c[1], f.b[0], f.b[2]}; }
 
-// By places; the other way around in the list.
+// None where three walls have no line in common, or all are needed beside it.
 std::optional<WallTie> tie_of(const std::vector<Coefficients>& walls, std::uint32_t first,
                               std::uint32_t second, std::uint32_t third) {
     const Coefficients &s = walls[first], &t = walls[second], &w = walls[third];
