@@ -62,23 +62,43 @@ struct Entry {
     FormId id{};
 };
 
-// Ties of the box's sides and of walls between crossing axes name these by their places among the entries.
-std::vector<WallTie> wall_ties(const std::vector<Entry>& entries) {
+// Ties of what has planes for bisectors, sides of the box, walls between crossing axes and tubes along the
+// base that have its radius, name these by their places among the entries. So many such tubes may matter.
+std::vector<WallTie> wall_ties(const std::vector<Entry>& entries, double reach, double most) {
+    constexpr std::size_t most_flat = 64;
+    const auto is_flat = [](const Entry& e) {
+        return std::holds_alternative<Cylinder>(e.canonical) && !e.form.has_root() &&
+               e.form.b0.sign() == Sign::Zero;
+    };
+    const bool with_flat = static_cast<std::size_t>(std::ranges::count_if(entries, is_flat)) <= most_flat;
     std::vector<std::uint32_t> places;
     std::vector<RadialForm> walls;
     bool has_crossing = false;  // three sides of the box have no line in common
     for (std::uint32_t i = 0; i < entries.size(); ++i) {
         const Entry& e = entries[i];
         const bool is_side = e.sites.front().kind == Site::Kind::BoxSide && !e.is_of_floor;
-        if (!is_side && !e.is_of_crossing) continue;
+        if (!e.is_kept || (!is_side && !e.is_of_crossing && !(with_flat && is_flat(e)))) continue;
         walls.push_back(e.form);
         places.push_back(i);
         has_crossing = has_crossing || e.is_of_crossing;
     }
     if (!has_crossing) return {};
-    std::vector<WallTie> ties = find_wall_ties(walls);
-    for (WallTie& tie : ties) tie = {places[tie.middle], places[tie.first], places[tie.second]};
+    std::vector<WallTie> ties = find_wall_ties(walls, reach, most);
+    for (WallTie& tie : ties) tie = {places[tie.middle], places[tie.first], places[tie.second], tie.move};
     return ties;
+}
+
+// Pre: what is kept has its number.
+void add_ties(const std::vector<WallTie>& ties, const std::vector<Entry>& entries,
+              RadialBaseProblem& problem) {
+    for (const WallTie& tie : ties) {
+        const Entry &first = entries[tie.first], &second = entries[tie.second];
+        if (!first.is_kept || !second.is_kept) continue;
+        for (const Site site : entries[tie.middle].sites) {
+            problem.generator_ties.push_back({site, first.id, second.id, true});
+            problem.generator_ties.push_back({site, second.id, first.id, true});
+        }
+    }
 }
 
 class CylinderProblem {
@@ -410,8 +430,14 @@ private:
             entries[tie.middle].is_kept = false;
             if (tie.move <= most_rounded) rounded = std::max(rounded, tie.move);
         }
-        const std::vector<WallTie> ties_of_walls = wall_ties(entries);
-        for (const WallTie& tie : ties_of_walls) entries[tie.middle].is_kept = false;
+        // Walls are half-way between directions that are rounded themselves.
+        const std::vector<WallTie> ties_of_walls =
+            wall_ties(entries, 2 * reach(), tie_rounding * scene_.box.diagonal());
+        double gives_way = 0;
+        for (const WallTie& tie : ties_of_walls) {
+            entries[tie.middle].is_kept = false;
+            gives_way = std::max(gives_way, tie.move);
+        }
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
@@ -435,20 +461,13 @@ private:
                  with_equal_ones(entries[tie.middle].sites, objects_, scene_.objects.size()))
                 problem.generator_ties.push_back(
                     {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
-        for (const WallTie& tie : ties_of_walls) {
-            const Entry &first = entries[tie.first], &second = entries[tie.second];
-            if (!first.is_kept || !second.is_kept) continue;
-            for (const Site site : entries[tie.middle].sites) {
-                problem.generator_ties.push_back({site, first.id, second.id, true});
-                problem.generator_ties.push_back({site, second.id, first.id, true});
-            }
-        }
+        add_ties(ties_of_walls, entries, problem);
         found.add_twins(objects_);
         if (problem.floor.empty()) add_passing_ties(found.sites, problem);
         problem.frame = motion_;
         problem.unit = unit_;
-        problem.moved = moved() + rounded;
-        problem.moved_apart = moved_apart();
+        problem.moved = moved() + rounded + gives_way;
+        problem.moved_apart = moved_apart() + gives_way;
         problem.stretch = stretch_;
         problem.region = {{0, 1, -stretch_[0], Site::end(0)},
                           {-1, 0, 3, {}},

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "../objects/exact_space.hpp"
+
 namespace vcell {
 
 namespace {
@@ -14,32 +16,62 @@ using Coefficients = std::array<Exact, 4>;
 
 Coefficients coefficients(const RadialForm& f) { return {f.c[0], f.c[1], f.b[0], f.b[2]}; }
 
+using Numbers = std::array<double, 4>;
+
+Numbers enclosed(const Coefficients& f) {
+    Numbers result;
+    std::ranges::transform(f, result.begin(), [](const Exact& x) { return x.enclosure().mid(); });
+    return result;
+}
+
+// Of a wall's plane per length of its normal, where that is changed by these numbers.
+double moved(const Numbers& change, const Numbers& wall, double reach) {
+    return (std::abs(change[0]) + reach * (std::abs(change[1]) + 2 * std::hypot(change[2], change[3]))) /
+           std::hypot(wall[1], 2 * wall[2], 2 * wall[3]);
+}
+
 // None where three walls have no line in common, or all are needed beside it.
 std::optional<WallTie> tie_of(const std::vector<Coefficients>& walls, std::uint32_t first,
-                              std::uint32_t second, std::uint32_t third) {
+                              std::uint32_t second, std::uint32_t third, double reach, double most) {
     const Coefficients &s = walls[first], &t = walls[second], &w = walls[third];
+    std::array<std::size_t, 2> at{0, 1};
+    double largest = -1;
+    const Numbers x = enclosed(s), y = enclosed(t);
     for (std::size_t i = 0; i < w.size(); ++i)
-        for (std::size_t k = i + 1; k < w.size(); ++k) {
-            const Exact divisor = s[i] * t[k] - s[k] * t[i];
-            if (divisor.sign() == Sign::Zero) continue;
-            // divisor w = a s + b t
-            const Exact a = w[i] * t[k] - w[k] * t[i], b = s[i] * w[k] - s[k] * w[i];
-            for (std::size_t j = 0; j < w.size(); ++j)
-                if (divisor * w[j] != a * s[j] + b * t[j]) return std::nullopt;
-            if (a.sign() == Sign::Zero || b.sign() == Sign::Zero) return std::nullopt;
-            const bool has_first = a.sign() == divisor.sign(), has_second = b.sign() == divisor.sign();
-            if (has_first && has_second) return WallTie{third, first, second};
-            // What one of them is less the other one.
-            if (has_first) return WallTie{first, second, third};
-            if (has_second) return WallTie{second, first, third};
-            return std::nullopt;  // nothing is inwards from all three
-        }
-    return std::nullopt;
+        for (std::size_t k = i + 1; k < w.size(); ++k)
+            if (const double minor = std::abs(x[i] * y[k] - x[k] * y[i]); minor > largest) {
+                largest = minor;
+                at = {i, k};
+            }
+    const auto [i, k] = at;
+    const Exact divisor = s[i] * t[k] - s[k] * t[i];
+    if (divisor.sign() == Sign::Zero) return std::nullopt;
+    // divisor w = a s + b t + rest
+    const Exact a = w[i] * t[k] - w[k] * t[i], b = s[i] * w[k] - s[k] * w[i];
+    Numbers rest;
+    for (std::size_t j = 0; j < w.size(); ++j)
+        rest[j] = nearest(divisor * w[j] - (a * s[j] + b * t[j])) / nearest(divisor);
+    const double move = moved(rest, enclosed(w), reach);
+    if (!(move <= most) || a.sign() == Sign::Zero || b.sign() == Sign::Zero) return std::nullopt;
+    const bool has_first = a.sign() == divisor.sign(), has_second = b.sign() == divisor.sign();
+    if (has_first && has_second) return WallTie{third, first, second, move};
+    // What one of them is less the other one: by as much as that has of the third.
+    const auto of = [&](std::uint32_t middle, const Exact& share,
+                        std::uint32_t other) -> std::optional<WallTie> {
+        Numbers part = rest;
+        for (double& r : part) r *= std::abs(nearest(divisor) / nearest(share));
+        const double by = moved(part, enclosed(walls[middle]), reach);
+        if (!(by <= most)) return std::nullopt;
+        return WallTie{middle, other, third, by};
+    };
+    if (has_first) return of(first, a, second);
+    if (has_second) return of(second, b, first);
+    return std::nullopt;  // nothing is inwards from all three
 }
 
 // A number that tells the line that two walls have in common from most others: a linear function of the unit
 // vector of the minors of their coefficients, but for its sign. NaN of equal ones.
-double key_of(const std::array<double, 4>& f, const std::array<double, 4>& g) {
+double key_of(const Numbers& f, const Numbers& g) {
     constexpr std::array<double, 6> unlike{0.61, -0.37, 0.53, 0.29, -0.83, 0.71};
     double key = 0, square = 0;
     for (std::size_t i = 0, n = 0; i < 4; ++i)
@@ -51,23 +83,21 @@ double key_of(const std::array<double, 4>& f, const std::array<double, 4>& g) {
     return std::abs(key) / std::sqrt(square);
 }
 
-std::array<double, 4> rounded(const Coefficients& f) {
-    std::array<double, 4> result;
-    std::ranges::transform(f, result.begin(), [](const Exact& x) { return x.enclosure().mid(); });
-    const double size = std::abs(std::ranges::max(result, {}, [](double x) { return std::abs(x); }));
-    for (double& x : result) x /= size;
-    return result;
+Numbers scaled(Numbers f) {
+    const double size = std::abs(std::ranges::max(f, {}, [](double x) { return std::abs(x); }));
+    for (double& x : f) x /= size;
+    return f;
 }
 
 }  // namespace
 
-std::vector<WallTie> find_wall_ties(std::span<const RadialForm> walls) {
+std::vector<WallTie> find_wall_ties(std::span<const RadialForm> walls, double reach, double most) {
     constexpr double same = 0x1p-30;  // far more than rounding
     std::vector<Coefficients> exact;
-    std::vector<std::array<double, 4>> numbers;
+    std::vector<Numbers> numbers;
     for (const RadialForm& wall : walls) {
         exact.push_back(coefficients(wall));
-        numbers.push_back(rounded(exact.back()));
+        numbers.push_back(scaled(enclosed(exact.back())));
     }
     struct Other {
         double key;
@@ -83,7 +113,8 @@ std::vector<WallTie> find_wall_ties(std::span<const RadialForm> walls) {
         std::ranges::sort(others, {}, &Other::key);
         for (std::size_t p = 0; p < others.size(); ++p)
             for (std::size_t q = p + 1; q < others.size() && others[q].key - others[p].key < same; ++q)
-                if (const auto tie = tie_of(exact, i, others[p].wall, others[q].wall)) ties.push_back(*tie);
+                if (const auto tie = tie_of(exact, i, others[p].wall, others[q].wall, reach, most))
+                    ties.push_back(*tie);
     }
     return ties;
 }

@@ -124,6 +124,14 @@ TEST_CASE("crossing axes: whole diagrams of nets fill their box") {
             tube.axis = turn * tube.axis;
         }
     }
+    SUBCASE("of meshes that are rounded") {
+        // Three planes have each line in common but for that.
+        scene.objects.clear();
+        for (const double at : {-0.9, -0.5, -0.1, 0.3, 0.7}) {
+            scene.objects.push_back(Cylinder{{0, at, 0}, {1, 0, 0}, 0.03});
+            scene.objects.push_back(Cylinder{{at, 0, 0}, {0, 1, 0}, 0.03});
+        }
+    }
     SUBCASE("with others through their nodes") {
         scene.objects.push_back(Cylinder{{-1, -1, 0}, {3, -1, 2}, 0.125});
         scene.objects.push_back(Cylinder{{1, 1, 0}, {1, 2, 5}, 0.125});

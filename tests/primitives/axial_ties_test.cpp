@@ -142,9 +142,10 @@ TEST_CASE("wall ties: of three planes through a line that is left out which no p
         if (round % 4 == 0) ++third[number() & 3];
         const std::array<Wall, 3> walls{first, second, third};
         const std::vector found =
-            find_wall_ties(std::vector{form_of(first), form_of(second), form_of(third)});
+            find_wall_ties(std::vector{form_of(first), form_of(second), form_of(third)}, 1, 0);
         CHECK(found.size() <= 1);
         for (const WallTie& tie : found) {
+            CHECK(tie.move == 0);
             CHECK(tie.middle + tie.first + tie.second == 3);
             for (int k = 0; k < 100; ++k) {
                 // Homogeneous points (1 : y : t u), of any sizes.
@@ -161,9 +162,18 @@ TEST_CASE("wall ties: of three planes through a line that is left out which no p
     CHECK(others > long_rounds(400) / 4);
     // Sides x <= 2 and z <= 2 and a wall through their edge, which holds more than either or less.
     const RadialForm x = form_of({4, 0, 1, 0}), z = form_of({4, 0, 0, 1});
-    CHECK(find_wall_ties(std::vector{x, z, form_of({8, 0, 1, 1})}) == std::vector{WallTie{2, 0, 1}});
-    CHECK(find_wall_ties(std::vector{x, z, form_of({4, 0, 2, -1})}) == std::vector{WallTie{0, 1, 2}});
-    CHECK(find_wall_ties(std::vector{x, z, form_of({7, 0, 1, 1})}).empty());
+    CHECK(find_wall_ties(std::vector{x, z, form_of({8, 0, 1, 1})}, 1, 0) == std::vector{WallTie{2, 0, 1, 0}});
+    CHECK(find_wall_ties(std::vector{x, z, form_of({4, 0, 2, -1})}, 1, 0) ==
+          std::vector{WallTie{0, 1, 2, 0}});
+    CHECK(find_wall_ties(std::vector{x, z, form_of({7, 0, 1, 1})}, 1, 0).empty());
+    // Places up to 4 from the origin, where that wall is 2^-40 beside the edge.
+    RadialForm beside = form_of({8, 0, 1, 1});
+    beside.c[0] = 8.0 + 0x1p-38;
+    CHECK(find_wall_ties(std::vector{x, z, beside}, 4, 0x1p-42).empty());
+    const auto near = find_wall_ties(std::vector{x, z, beside}, 4, 0x1p-38);
+    REQUIRE(near.size() == 1);
+    CHECK(near[0].middle == 2);
+    CHECK(near[0].move == doctest::Approx(0x1p-39 / std::sqrt(2)));
 }
 
 }  // namespace vcell::axial_ties_test
