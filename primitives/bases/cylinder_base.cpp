@@ -63,7 +63,8 @@ struct Entry {
 };
 
 // Ties of what has planes for bisectors, sides of the box, walls between crossing axes and tubes along the
-// base that have its radius, name these by their places among the entries. So many such tubes may matter.
+// base that have its radius, name these by their places among the entries. Where there are more such tubes
+// they take no part, as looking at all pairs would take longer than the cell.
 std::vector<WallTie> wall_ties(const std::vector<Entry>& entries, double reach, double most) {
     constexpr std::size_t most_flat = 64;
     const auto is_flat = [](const Entry& e) {
@@ -88,12 +89,23 @@ std::vector<WallTie> wall_ties(const std::vector<Entry>& entries, double reach, 
     return ties;
 }
 
+// Leaves out the middle ones, and returns how far these give way. Of walls that are one but for rounding each
+// is the middle one to the other and a third: none is left out for what is left out itself.
+double drop_middle(const std::vector<WallTie>& ties, std::vector<Entry>& entries) {
+    double gives_way = 0;
+    for (const WallTie& tie : ties) {
+        gives_way = std::max(gives_way, tie.move);
+        if (entries[tie.first].is_kept && entries[tie.second].is_kept) entries[tie.middle].is_kept = false;
+    }
+    return gives_way;
+}
+
 // Pre: what is kept has its number.
 void add_ties(const std::vector<WallTie>& ties, const std::vector<Entry>& entries,
               RadialBaseProblem& problem) {
     for (const WallTie& tie : ties) {
         const Entry &first = entries[tie.first], &second = entries[tie.second];
-        if (!first.is_kept || !second.is_kept) continue;
+        if (!first.is_kept || !second.is_kept || entries[tie.middle].is_kept) continue;
         for (const Site site : entries[tie.middle].sites) {
             problem.generator_ties.push_back({site, first.id, second.id, true});
             problem.generator_ties.push_back({site, second.id, first.id, true});
@@ -433,11 +445,7 @@ private:
         // Walls are half-way between directions that are rounded themselves.
         const std::vector<WallTie> ties_of_walls =
             wall_ties(entries, 2 * reach(), tie_rounding * scene_.box.diagonal());
-        double gives_way = 0;
-        for (const WallTie& tie : ties_of_walls) {
-            entries[tie.middle].is_kept = false;
-            gives_way = std::max(gives_way, tie.move);
-        }
+        const double gives_way = drop_middle(ties_of_walls, entries);
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
