@@ -126,7 +126,8 @@ struct Condition {
     Site site;
     /// A side of the box that bounds the region of a base plane: asked of the base point.
     bool at_rim = false;
-    /// Of a tube that has CrossingWalls: one of these, from which the distance inwards is asked for.
+    /// A tube that has CrossingWalls is met at one of these: the distance from that inwards is asked for, as
+    /// that tube's excess all but vanishes next to the crossing.
     std::optional<std::uint8_t> wall = std::nullopt;
 
     /// Is the excess an object's distance less the clearance? Otherwise it is linear.

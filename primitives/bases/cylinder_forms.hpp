@@ -212,7 +212,7 @@ struct CylinderForms {
         if (slope0.sign() != Sign::Negative || slope1.sign() != Sign::Positive) return true;
         return (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Positive;
     }
-    /// Of a tube that is thinner than the base: does it pierce that, its axis nearer to the base's than radii
+    /// Does a tube that is thinner than the base pierce that, its axis nearer to the base's than radii
     /// differ? C is less than 0 between two places then, and the bisector has tips.
     static bool has_two_roots(const std::array<Exact, 3>& c) {
         return c[2].sign() == Sign::Positive && (4.0 * c[0] * c[2] - c[1] * c[1]).sign() == Sign::Negative;

@@ -62,7 +62,7 @@ T hollow_root_range(const T& B, const T& A2, const T& C) {
     return hull(at(bottom(B), top(A2), top(C)), at(top(B), bottom(A2), bottom(C)));
 }
 
-/// Of A^2 what B^2 - A^2 C is greatest with, where C is least.
+/// The end of A^2's range with which B^2 - A^2 C is greatest where C is least: the sign of C decides.
 template <class T>
 T with_greatest_root(const T& A2, const T& C) {
     return C.lower() < 0 ? top(A2) : bottom(A2);

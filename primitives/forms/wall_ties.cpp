@@ -24,7 +24,7 @@ Numbers enclosed(const Coefficients& f) {
     return result;
 }
 
-// Of a wall's plane per length of its normal, where that is changed by these numbers.
+// How far the points of a wall's plane go within `reach` as its numbers change by these.
 double moved(const Numbers& change, const Numbers& wall, double reach) {
     return (std::abs(change[0]) + reach * (std::abs(change[1]) + 2 * std::hypot(change[2], change[3]))) /
            std::hypot(wall[1], 2 * wall[2], 2 * wall[3]);

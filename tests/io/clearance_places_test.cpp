@@ -18,6 +18,7 @@
 #include "../../io/files/scene_file.hpp"
 #include "../../io/pictures/mesh.hpp"
 #include "../test_support.hpp"
+#include "boxed_scenes.hpp"
 #include "damages.hpp"
 #include "listing.hpp"
 #include "random_scenes.hpp"
@@ -28,14 +29,6 @@ namespace vcell::clearance_places_test {
 using namespace damages;
 
 namespace {
-
-Scene scene_of(const Object& base, std::vector<Object> objects, double box) {
-    Scene scene;
-    scene.base = base;
-    scene.objects = std::move(objects);
-    scene.box = {Vec3::Constant(-box), Vec3::Constant(box)};
-    return scene;
-}
 
 void check_place(const std::optional<ClearancePlace>& place, const Vec3& point, double clearance,
                  std::vector<Site> sites) {
@@ -100,7 +93,7 @@ void check_sampled(const Cell& cell, std::mt19937_64& rng, int samples) {
 
 TEST_CASE("clearance places: head on between a base and an object") {
     const auto o = [](std::uint32_t i) { return std::vector<Site>{Site::object(i)}; };
-    const Cell balls = voronoi_cell(scene_of(Sphere{{0, 0, 0}, 1}, {Sphere{{4, 0, 0}, 0.5}}, 10));
+    const Cell balls = voronoi_cell(scene_in_cube(Sphere{{0, 0, 0}, 1}, {Sphere{{4, 0, 0}, 0.5}}, 10));
     const ClearancePlaces of_balls = clearance_places(balls);
     check_place(of_balls.least, {2.25, 0, 0}, 1.25, o(0));
     CHECK(of_balls.least->face);
@@ -109,16 +102,16 @@ TEST_CASE("clearance places: head on between a base and an object") {
     CHECK(of_balls.greatest->vertex);  // a corner of the box
     CHECK(of_balls.greatest->clearance == doctest::Approx(std::sqrt(300.0) - 1));
 
-    Scene under = scene_of(Plane{{0, 0, 0}, {0, 0, 1}}, {Sphere{{0.25, 0.125, 0.875}, 0.25}}, 1);
+    Scene under = scene_in_cube(Plane{{0, 0, 0}, {0, 0, 1}}, {Sphere{{0.25, 0.125, 0.875}, 0.25}}, 1);
     under.box.min.z() = 0;
     check_place(clearance_places(voronoi_cell(under)).least, {0.25, 0.125, 0.3125}, 0.3125, o(0));
 
     // Oblique tubes; and a plane along one, where a whole line is as near.
     const Cell tubes = voronoi_cell(
-        scene_of(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.5}, {Cylinder{{0, 0.5, 3}, {1, 0, 0}, 0.5}}, 4));
+        scene_in_cube(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.5}, {Cylinder{{0, 0.5, 3}, {1, 0, 0}, 0.5}}, 4));
     check_place(clearance_places(tubes).least, {0, 0.5, 1.5}, 1, o(0));
     const Cell along =
-        voronoi_cell(scene_of(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.5}, {Plane{{0, 0, 2}, {0, 0, 1}}}, 4));
+        voronoi_cell(scene_in_cube(Cylinder{{0, 0, 0}, {0, 1, 0}, 0.5}, {Plane{{0, 0, 2}, {0, 0, 1}}}, 4));
     const auto least = clearance_places(along).least;
     REQUIRE(least);
     CHECK(least->edge);
@@ -126,7 +119,7 @@ TEST_CASE("clearance places: head on between a base and an object") {
     CHECK((least->point - Vec3(0, least->point.y(), 1.25)).norm() <= 1e-7);
 
     // The nearest side of the box is the nearest of all.
-    Scene side = scene_of(Sphere{{0, 0, 0}, 1}, {Sphere{{9, 0, 0}, 0.5}}, 10);
+    Scene side = scene_in_cube(Sphere{{0, 0, 0}, 1}, {Sphere{{9, 0, 0}, 0.5}}, 10);
     side.box.min.y() = -2;
     check_place(clearance_places(voronoi_cell(side)).least, {0, -2, 0}, 1, {Site::box_side(2)});
 }
@@ -135,7 +128,7 @@ TEST_CASE("clearance places: of the faces of one site the one that holds the pla
     // A tube cuts the plane's face in two, on either side of the place.
     for (const double x : {-0.9, 0.9}) {
         CAPTURE(x);
-        const Cell cell = voronoi_cell(scene_of(
+        const Cell cell = voronoi_cell(scene_in_cube(
             Sphere{{0, 0, 0}, 0.5}, {Plane{{0, 0, 1}, {0, 0, 1}}, Cylinder{{x, 0, 1}, {0.1, 1, 0}, 0.2}}, 4));
         REQUIRE(std::ranges::count(cell.faces, Site::object(0), &CellFace::site) == 2);
         const auto least = clearance_places(cell).least;
@@ -179,12 +172,12 @@ TEST_CASE("clearance places: along a tube, where edges are told to no digits") {
 TEST_CASE("clearance places: in vessels, where clearance is greatest inside of a face") {
     const std::vector<Site> wall{Site::object(0)};
     const ClearancePlaces ball =
-        clearance_places(voronoi_cell(scene_of(Sphere{{0, 0, 0}, 1}, {HollowSphere{{1, 0, 0}, 5}}, 10)));
+        clearance_places(voronoi_cell(scene_in_cube(Sphere{{0, 0, 0}, 1}, {HollowSphere{{1, 0, 0}, 5}}, 10)));
     check_place(ball.least, {-2.5, 0, 0}, 1.5, wall);
     check_place(ball.greatest, {3.5, 0, 0}, 2.5, wall);
 
     const ClearancePlaces tip = clearance_places(
-        voronoi_cell(scene_of(Sphere{{0.5, 0, 0}, 1}, {HollowCylinder{{0, 0, 0}, {0, 0, 2}, 3}}, 10)));
+        voronoi_cell(scene_in_cube(Sphere{{0.5, 0, 0}, 1}, {HollowCylinder{{0, 0, 0}, {0, 0, 2}, 3}}, 10)));
     REQUIRE(tip.greatest);
     CHECK(tip.greatest->face);
     CHECK(
@@ -195,7 +188,7 @@ TEST_CASE("clearance places: in vessels, where clearance is greatest inside of a
 
     // About the middle all places are alike.
     const ClearancePlaces middle =
-        clearance_places(voronoi_cell(scene_of(Sphere{{0, 0, 0}, 1}, {HollowSphere{{0, 0, 0}, 5}}, 10)));
+        clearance_places(voronoi_cell(scene_in_cube(Sphere{{0, 0, 0}, 1}, {HollowSphere{{0, 0, 0}, 5}}, 10)));
     for (const auto& place : {middle.least, middle.greatest}) {
         REQUIRE(place);
         CHECK(place->clearance == 2);
@@ -204,7 +197,7 @@ TEST_CASE("clearance places: in vessels, where clearance is greatest inside of a
 
     // In a cone of half angle 30 degrees, at distance 4 from the apex: the wall is 2 away.
     const ClearancePlaces cone = clearance_places(
-        voronoi_cell(scene_of(Sphere{{0.5, 0, 0}, 1}, {HollowCone{{0, 0, -4}, {0, 0, 1}, 1, 2}}, 10)));
+        voronoi_cell(scene_in_cube(Sphere{{0.5, 0, 0}, 1}, {HollowCone{{0, 0, -4}, {0, 0, 1}, 1, 2}}, 10)));
     REQUIRE(cone.least);
     const Vec3 out(std::sqrt(0.75), 0, -0.5);
     const double wall_away = 2 - std::sqrt(0.75) * 0.5;
@@ -218,7 +211,7 @@ TEST_CASE("clearance places: in vessels, where clearance is greatest inside of a
 }
 
 TEST_CASE("clearance places: a cap, and cells without any") {
-    Scene scene = scene_of(Sphere{{0, 0, 0}, 1}, {Sphere{{40, 0, 0}, 0.5}}, 50);
+    Scene scene = scene_in_cube(Sphere{{0, 0, 0}, 1}, {Sphere{{40, 0, 0}, 0.5}}, 50);
     scene.probe = 1.5;
     Cell cell = voronoi_cell(scene);
     const ClearancePlaces cap = clearance_places(cell);
@@ -251,7 +244,7 @@ TEST_CASE("clearance places: of random cells and of cells of every kind") {
 
 // A place over the rim is as far along the normal from where a side of the box meets the base, not from it.
 TEST_CASE("clearance places: over the rim of a plane that leans they are not refuted") {
-    Scene scene = scene_of(
+    Scene scene = scene_in_cube(
         Plane{{0, 0, 0}, {0.75, -0.125, 0.25}},
         {Sphere{{-1.25, 0.5, 1.25}, 0.25}, Sphere{{0.25, 0.875, 0.625}, 0.25}, Sphere{{-1.5, 1, 0.25}, 0.25}},
         2);

@@ -15,6 +15,7 @@
 #include "../../envelope/voronoi_diagram.hpp"
 #include "../../io/check/check.hpp"
 #include "../test_support.hpp"
+#include "boxed_scenes.hpp"
 #include "closed_meshes.hpp"
 #include "listing.hpp"
 #include "stored_diagrams.hpp"
@@ -23,15 +24,7 @@ using namespace vcell;
 
 namespace {
 
-struct Random {
-    std::mt19937_64 rng;
-
-    double uniform(double a, double b) { return std::uniform_real_distribution(a, b)(rng); }
-    Vec3 place(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
-    Vec3 direction() {
-        std::normal_distribution<double> n;
-        return Vec3(n(rng), n(rng), n(rng)).normalized();
-    }
+struct Random : RandomPlaces {
     /// Through what has this radius and this axis, if it has one.
     Cylinder thin_tube(double radius, const Vec3& axis) {
         for (;;) {
@@ -46,18 +39,10 @@ struct Random {
     }
 };
 
-Scene scene_of(const Object& base, std::vector<Object> objects, double half) {
-    Scene scene;
-    scene.base = base;
-    scene.objects = std::move(objects);
-    scene.box = {Vec3::Constant(-half), Vec3::Constant(half)};
-    return scene;
-}
-
 }  // namespace
 
 TEST_CASE("pierced: cells of random balls and tubes are proved") {
-    Random r{std::mt19937_64(test_seed())};
+    Random r;
     for (int round = 0; round < long_rounds(24); ++round) {
         CAPTURE(round);
         const Vec3 axis = round % 3 == 0   ? Vec3(Vec3::Zero())
@@ -72,7 +57,7 @@ TEST_CASE("pierced: cells of random balls and tubes are proved") {
         const Object base =
             axis.isZero(0) ? Object(Sphere{Vec3::Zero(), 1}) : Object(Cylinder{Vec3::Zero(), axis, 1});
         try {
-            check_holds(voronoi_cell(scene_of(base, objects, 5)));
+            check_holds(voronoi_cell(scene_in_cube(base, objects, 5)));
         } catch (const InputError& e) {
             CHECK(e.kind == InputError::Kind::TouchesBase);  // a ball in the base
         }
@@ -86,7 +71,7 @@ TEST_CASE("pierced: faces of a tube on both sides of a tip that another tube hid
     for (const bool is_hidden : {false, true}) {
         std::vector<Object> objects{thin};
         if (is_hidden) objects.push_back(bead);
-        const Cell cell = voronoi_cell(scene_of(thick, objects, 4));
+        const Cell cell = voronoi_cell(scene_in_cube(thick, objects, 4));
         check_holds(cell);
         const auto face = std::ranges::find(cell.faces, Site::object(0), &CellFace::site);
         REQUIRE(face != cell.faces.end());
@@ -104,7 +89,8 @@ TEST_CASE("pierced: faces of a tube on both sides of a tip that another tube hid
 TEST_CASE("pierced: a ball's volume around a stick through its centre") {
     constexpr double R = 1, stick = 0.25, wall = 4, D = R - stick, T = 0.5 * (R + wall);
     const Vec3 center(0.5, -0.25, 0.125), axis(1, 2, -2);
-    Scene scene = scene_of(Sphere{center, R}, {Cylinder{center, axis, stick}, HollowSphere{center, wall}}, 6);
+    Scene scene =
+        scene_in_cube(Sphere{center, R}, {Cylinder{center, axis, stick}, HollowSphere{center, wall}}, 6);
     const Cell cell = voronoi_cell(scene);
     // With t = D + x^2 the integrand is smooth at the tips.
     const double caps = boost::math::quadrature::gauss<double, 30>::integrate(
@@ -141,7 +127,7 @@ TEST_CASE("pierced: whole diagrams of balls, sticks through them and fibres fill
 
 // Soft ones, thick and thin, through each other anyhow. What lies in another one has no cell.
 TEST_CASE("pierced: balls and fibres that cut each other fill their box") {
-    Random r{std::mt19937_64(test_seed())};
+    Random r;
     for (int round = 0; round < long_rounds(3); ++round) {
         CAPTURE(round);
         DiagramScene scene;
@@ -170,7 +156,7 @@ TEST_CASE("pierced: meshes are closed around tips, and so are the loops of solid
     const Cylinder thin{{0, 0.25, 0.125}, {1, 0.25, 0.5}, 0.25};
     for (const Object& base : {Object(Sphere{Vec3::Zero(), 1}), Object(Cylinder{Vec3::Zero(), {0, 0, 1}, 1}),
                                Object(Cylinder{Vec3::Zero(), {-1, 2, 2}, 1})}) {
-        const Cell cell = voronoi_cell(scene_of(base, {thin, Sphere{{0, 3, 1}, 0.5}}, 4));
+        const Cell cell = voronoi_cell(scene_in_cube(base, {thin, Sphere{{0, 3, 1}, 0.5}}, 4));
         check_mesh_and_solid(cell, 1e-2);
         const Solid solid = solid_of(closed_shell(cell), cell.faces.size());
         for (const Solid::Face& face : solid.faces)
@@ -187,7 +173,7 @@ TEST_CASE("pierced: what is not so is objected to") {
     const std::vector<Object> objects{Cylinder{{0, 0.25, 0.125}, {1, 0.25, 0.5}, 0.25}};
     for (const Object& base :
          {Object(Sphere{Vec3::Zero(), 1}), Object(Cylinder{Vec3::Zero(), {0, 0, 1}, 1})}) {
-        const Cell whole = voronoi_cell(scene_of(base, objects, 4));
+        const Cell whole = voronoi_cell(scene_in_cube(base, objects, 4));
         REQUIRE(certify(whole).holds());
         Cell cell = whole;
         SUBCASE("a thinner tube") { std::get<Cylinder>(cell.scene.objects[0]).radius -= 1e-4; }

@@ -96,7 +96,7 @@ inline Real nearness(const FormFamily& family, FormId f, const Vec2& p) {
         B += y * real(q.slope) * A;
         C += y * (real(q.c[1]) + y * real(q.c[2]));
     }
-    // Of a tube that pierces the base C is less than 0, and so is B there.
+    // A tube that pierces the base has C less than 0, and B as well there.
     const Real square = B * B + A * A * C;
     REQUIRE((C > 0 || (B < 0 && square >= 0)));
     return B < 0 ? A * A / (sqrt(square) - B) / W : (B + sqrt(square)) / C / W;
