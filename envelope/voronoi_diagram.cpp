@@ -111,6 +111,7 @@ VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& 
         const whole::DecidedDiagram decided(scene);
         VoronoiDiagram diagram;
         diagram.moved = decided.moved();
+        diagram.periods = decided.all_periods();
         diagram.cells.resize(scene.objects.size());
         if (decided.is_simple() && !options.visit) {
             compute_sharing(decided, diagram, options);
@@ -157,13 +158,15 @@ void update(VoronoiDiagram& diagram, DiagramScene& scene, std::uint32_t number, 
     }
     scene = std::move(changed);
     diagram.moved = std::max(diagram.moved, decided.moved());
+    diagram.periods = decided.all_periods();
     compute(decided, which, diagram, options);
 }
 
 ContactTable contacts(const VoronoiDiagram& diagram) {
     std::vector<whole::ContactSide> sides;
     for (std::uint32_t i = 0; i < diagram.cells.size(); ++i)
-        for (const CellContact& c : diagram.cells[i].contacts) sides.push_back(whole::contact_side(i, c));
+        for (const CellContact& c : diagram.cells[i].contacts)
+            sides.push_back(whole::contact_side(i, c, diagram.periods));
     return whole::pair_up(std::move(sides),
                           [&](std::uint32_t i) { return whole::knows_contacts(diagram.cells[i]); });
 }

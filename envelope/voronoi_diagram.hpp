@@ -29,7 +29,10 @@ struct DiagramScene {
     /// Empty, or a label for each object: objects of one label belong together (group_table()).
     std::vector<std::string> groups;
     Box box;
-    /// Along these axes the box repeats, by its edges. Then all objects are balls, less than 2^13 edges away.
+    /// Along these axes the box repeats, by its edges. Then balls are less than 2^13 edges away; the axis of
+    /// a tube leaves through a side that does not repeat, or is along a whole combination of at most 16 of
+    /// each edge, after which the tube closes on itself; planes and vessels are where they were after every
+    /// edge.
     std::array<bool, 3> periodic{false, false, false};
     /// Where the box repeats it may lean: its edges are (x, 0, 0), (xy, y, 0) and (xz, yz, z), these being
     /// xy, xz, yz. Zero along axes that do not repeat. Pre: leaning boxes repeat along all axes.
@@ -89,8 +92,12 @@ struct DiagramCell {
 struct VoronoiDiagram {
     std::vector<DiagramCell> cells;  ///< one for each object
     /// A bound on the distance that coordinates were moved by: to a binary grid on which the box repeats
-    /// exactly.
+    /// exactly, and tubes within one period to whole combinations of its edges.
     double moved = 0;
+    /// Moves by so many edges of a box that repeats leave these objects, which are no balls, as they are.
+    /// Ascending by number; all such moves of an object are sums of its ones. Images in contacts stand for
+    /// all that differ by what leaves one of the two objects as it is.
+    std::vector<ObjectImage> periods;
 };
 
 struct DiagramOptions {
@@ -111,9 +118,9 @@ struct DiagramOptions {
     bool bodies = false;
 };
 
-/// Throws InputError for objects that are none (validate()), an empty list, periods with what is no ball, a
-/// probe that is not positive, and a tilt without periods. What one cell runs into is in its
-/// state.
+/// Throws InputError for objects that are none (validate()), an empty list, periods with what does not fit
+/// into a box that repeats, a probe that is not positive, and a tilt without periods. What one cell runs into
+/// is in its state.
 VoronoiDiagram voronoi_diagram(const DiagramScene& scene, const DiagramOptions& options = {});
 
 /// The diagram after `objects[number]` has become `object`: only cells that the old or the new one may touch

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "../envelope/whole/own_periods.hpp"
 #include "../envelope/whole/totals.hpp"
 
 namespace vcell::mpi {
@@ -47,14 +48,25 @@ void take_cells(Ranks& ranks, const SceneParts& parts, std::vector<DiagramCell> 
         }
 }
 
+// VoronoiDiagram::periods: each process knows all objects that are no balls.
+std::vector<ObjectImage> periods_of_others(const SceneParts& parts) {
+    const whole::Lattice lattice(parts.frame);
+    std::vector<ObjectImage> all;
+    for (const KnownObject& other : parts.others)
+        for (const whole::Image& period : *whole::own_periods(lattice, other.object))
+            all.push_back({other.number, period});
+    return all;
+}
+
 // Sides of pairs go where their first objects are.
 std::vector<whole::ContactSide> take_sides(Ranks& ranks, const SceneParts& parts,
                                            const OrderedCells& ordered) {
+    const std::vector<ObjectImage> periods = periods_of_others(parts);
     std::vector<Letter> to(ranks.size());
     for (std::size_t i = 0; i < ordered.cells.size(); ++i)
         for (const CellContact& contact : ordered.cells[i].contacts) {
             const whole::ContactSide side =
-                whole::contact_side(ordered.first + static_cast<std::uint32_t>(i), contact);
+                whole::contact_side(ordered.first + static_cast<std::uint32_t>(i), contact, periods);
             to[range_of(side.first, ranks.size(), parts.count)].put(side);
         }
     std::vector<whole::ContactSide> sides;

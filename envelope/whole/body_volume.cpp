@@ -17,6 +17,7 @@
 #include "../../primitives/objects/exact_space.hpp"
 #include "../complete_measures.hpp"
 #include "../object_distance.hpp"
+#include "complete_cells.hpp"
 
 namespace vcell::whole {
 
@@ -470,11 +471,11 @@ BodyVolume ball_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
                                if (bodies_overlap(ball, other)) scene.objects.emplace_back(other);
                            });
     std::vector<Object> others;
-    for (const std::uint32_t x : decided.others()) {
-        const Object& o = decided.scene().objects[x];
-        if (!std::holds_alternative<Plane>(o) && distance_from(o, ball.center) < ball.radius)
-            others.push_back(o);
-    }
+    for (const DecidedDiagram::Other& other : decided.others())
+        other.images.near(ball.center, ball.radius * (1 + 0x1p-40), [&](const Object& o, const Image&) {
+            if (!std::holds_alternative<Plane>(o) && distance_from(o, ball.center) < ball.radius)
+                others.push_back(o);
+        });
     bool is_cut = false;
     scene.box = room_of(ball, box, is_cut);
     scene.tolerance = decided.scene().tolerance;
@@ -497,14 +498,13 @@ BodyVolume ball_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
 }
 
 BodyVolume tube_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
-    const auto& tube = std::get<Cylinder>(decided.scene().objects[object]);
-    const Box& box = decided.scene().box;
+    const Scene scene = scenes_among_all(decided, object).front();
+    const auto& tube = std::get<Cylinder>(scene.base);
+    const Box& box = scene.box;
     BodyVolume body = tube_in_box(tube, box);
     const Vec3 axis = tube.axis.stableNormalized();
     std::vector<Object> others;
-    for (std::uint32_t x = 0; x < decided.scene().objects.size(); ++x) {
-        if (x == object || !decided.hidden(x).empty()) continue;
-        const Object& o = decided.scene().objects[x];
+    for (const Object& o : scene.objects) {
         double distance = is_vessel(o) ? 0 : std::numeric_limits<double>::infinity();
         if (const auto* ball = std::get_if<Sphere>(&o)) {
             distance = (ball->center - tube.point).cross(axis).norm() - ball->radius;

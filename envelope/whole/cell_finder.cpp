@@ -27,6 +27,19 @@ std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
     return balls;
 }
 
+Vec3& point_on_grid(Object& object) {
+    return std::visit(
+        [](auto& o) -> Vec3& {
+            if constexpr (requires { o.center; })
+                return o.center;
+            else if constexpr (requires { o.apex; })
+                return o.apex;
+            else
+                return o.point;
+        },
+        object);
+}
+
 }  // namespace
 
 // ---- The scene --------------------------------------------------------------------------------------
@@ -55,23 +68,30 @@ void validate_diagram(const DiagramScene& scene) {
     if (!scene.is_periodic()) return;
     const Lattice lattice(scene);
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
-        const auto* ball = std::get_if<Sphere>(&scene.objects[i]);
-        if (ball == nullptr)
-            throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
-                             "is no ball, and in a box that repeats all objects are balls");
-        if (!lattice.has_image_at(ball->center))
-            throw InputError(Kind::OutOfRange, i, object_path(as_scene, i, "center"),
-                             "is too many edges away from the box that repeats");
+        const Object& object = scene.objects[i];
+        if (const auto* ball = std::get_if<Sphere>(&object)) {
+            if (!lattice.has_image_at(ball->center))
+                throw InputError(Kind::OutOfRange, i, object_path(as_scene, i, "center"),
+                                 "is too many edges away from the box that repeats");
+            continue;
+        }
+        if (own_periods(lattice, object)) continue;
+        if (std::holds_alternative<Cylinder>(object))
+            throw InputError(
+                Kind::Unsupported, i, object_path(as_scene, i, "axis"),
+                "closes on itself after no few edges of the box that repeats, and its images crowd");
+        throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
+                         "is not where it was after an edge along which the box repeats");
     }
 }
 
 double snap_to_grid(DiagramScene& scene) {
     if (!scene.is_periodic()) return 0;
+    const Lattice given(scene);
     double moved = 0;
     constexpr int digits = 44;
     double size = std::max(scene.box.min.cwiseAbs().maxCoeff(), scene.box.max.cwiseAbs().maxCoeff());
-    for (const Object& o : scene.objects)
-        size = std::max(size, std::get<Sphere>(o).center.cwiseAbs().maxCoeff());
+    for (Object& o : scene.objects) size = std::max(size, point_on_grid(o).cwiseAbs().maxCoeff());
     for (const double t : scene.tilt) size = std::max(size, std::abs(t));
     const double grid = std::ldexp(1.0, std::ilogb(size) + 1 - digits);
     const auto round = [&](double& x) {
@@ -80,14 +100,22 @@ double snap_to_grid(DiagramScene& scene) {
         x = to;
     };
     for (Object& o : scene.objects)
-        for (double& x : std::get<Sphere>(o).center) round(x);
+        for (double& x : point_on_grid(o)) round(x);
+    std::vector<std::vector<Image>> periods;
+    for (const Object& o : scene.objects)
+        periods.push_back(std::holds_alternative<Sphere>(o) ? std::vector<Image>() : *own_periods(given, o));
     for (int k = 0; k < 3; ++k) {
         if (!scene.periodic[k]) continue;
         round(scene.box.min[k]);
         round(scene.box.max[k]);
     }
     for (double& t : scene.tilt) round(t);
-    return moved * std::sqrt(3.0) * (1 + std::numeric_limits<double>::epsilon());
+    moved *= std::sqrt(3.0);
+    const Lattice lattice(scene);
+    double turned = 0;
+    for (std::size_t i = 0; i < periods.size(); ++i)
+        turned = std::max(turned, align(lattice, periods[i], scene.objects[i]));
+    return (moved + turned) * (1 + std::numeric_limits<double>::epsilon());
 }
 
 DecidedDiagram::DecidedDiagram(const DiagramScene& scene) {
@@ -100,14 +128,15 @@ DecidedDiagram::DecidedDiagram(const DiagramScene& scene) {
 }
 
 DecidedDiagram::DecidedDiagram(ScenePart part) : part_(std::move(part)) {
-    hide_others(part_.scene, part_.numbers, part_.hidden);
+    hide_others(part_.scene, Lattice(part_.scene), part_.numbers, part_.hidden);
     index();
 }
 
 void DecidedDiagram::index() {
     lattice_ = Lattice(part_.scene);
     for (std::uint32_t i = 0; i < part_.scene.objects.size(); ++i)
-        if (!is_ball(i) && part_.hidden[i].empty()) others_.push_back(i);
+        if (!is_ball(i) && part_.hidden[i].empty())
+            others_.push_back({i, OtherImages(lattice_, part_.scene.objects[i])});
     std::vector<BallTree::Entry> balls = balls_of(part_.scene);
     std::erase_if(balls, [&](const BallTree::Entry& e) { return !part_.hidden[e.number].empty(); });
     balls_ = ImageTree(lattice_, std::move(balls));
@@ -132,8 +161,29 @@ Box DecidedDiagram::room(const Sphere& ball) const {
     return room;
 }
 
+std::span<const Image> DecidedDiagram::periods(std::uint32_t i) const {
+    const auto other = std::ranges::lower_bound(others_, i, {}, &Other::place);
+    if (other == others_.end() || other->place != i) return {};
+    return other->images.periods();
+}
+
+std::vector<ObjectImage> DecidedDiagram::all_periods() const {
+    std::vector<ObjectImage> all;
+    for (const Other& other : others_)
+        for (const Image& period : other.images.periods()) all.push_back({number(other.place), period});
+    return all;
+}
+
+Image DecidedDiagram::image_beside(std::uint32_t i, const ObjectImage& other) const {
+    if (others_.empty()) return other.image;
+    std::vector<Image> both(periods(i).begin(), periods(i).end());
+    const std::span<const Image> of_other = periods(place(other.number));
+    both.insert(both.end(), of_other.begin(), of_other.end());
+    return representative(other.image, both);
+}
+
 bool DecidedDiagram::is_bounded(std::uint32_t i) const {
-    return scene().is_periodic() || (is_ball(i) && holds(scene().box, ball(i).center));
+    return is_ball(i) && (scene().is_periodic() || holds(scene().box, ball(i).center));
 }
 
 DecidedDiagram::Competitors DecidedDiagram::competitors(const Sphere& ball, std::uint32_t self,
@@ -178,9 +228,15 @@ DecidedDiagram::Bound DecidedDiagram::bound(std::uint32_t i) const {
 bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) const {
     // The cell of a ball beyond the box has no reach that is known.
     if (!is_ball(i) || reach == infinity) return true;
-    if (!is_ball(x)) return least_distance(scene().objects[x], ball(i)) < reach;
     bool may = false;
     const Sphere& self = ball(i);
+    if (!is_ball(x)) {
+        OtherImages(lattice_, scene().objects[x])
+            .near(self.center, self.radius + reach, [&](const Object& other, const Image&) {
+                may = may || least_distance(other, self) < reach;
+            });
+        return may;
+    }
     lattice_.for_images(Box{ball(x).center, ball(x).center}, ball(x).radius, self.center, self.radius + reach,
                         [&](const Image&, const Vec3& by) {
                             const Sphere moved{ball(x).center + by, ball(x).radius};
@@ -194,8 +250,7 @@ bool DecidedDiagram::may_touch(std::uint32_t x, std::uint32_t i, double reach) c
 namespace {
 
 struct Candidate {
-    const Object* other;  // none: the ball
-    Sphere ball;
+    Object object;
     std::uint32_t place;
     Image image;
 
@@ -261,11 +316,9 @@ private:
         constexpr std::size_t crowd = 192;
         if (candidates_.size() > crowd) {
             for (const Candidate& c : candidates_)
-                if (c.other == nullptr) bound.add(c.ball);
+                if (const auto* ball = std::get_if<Sphere>(&c.object)) bound.add(*ball);
             bound.settle(by_nearest.width());
-            std::erase_if(candidates_, [&](const Candidate& c) {
-                return c.other != nullptr ? !may_touch(bound, *c.other) : !bound.may_touch(c.ball);
-            });
+            std::erase_if(candidates_, [&](const Candidate& c) { return !may_touch(bound, c.object); });
         }
         CellOptions options;
         options.patches = kept != nullptr;
@@ -304,31 +357,35 @@ private:
     void gather(const CellBound& bound) {
         candidates_.clear();
         decided_.balls().touching(bound, [&](const Sphere& ball, std::uint32_t place, const Image& image) {
-            if (place != object_ || image != here) candidates_.push_back({nullptr, ball, place, image});
+            if (place != object_ || image != here) candidates_.push_back({ball, place, image});
         });
-        for (const std::uint32_t x : decided_.others()) {
-            const Object& other = decided_.scene().objects[x];
-            if (may_touch(bound, other)) candidates_.push_back({&other, {}, x, here});
-        }
+        for (const DecidedDiagram::Other& other : decided_.others())
+            other.images.near(bound.base().center, reach_of(bound, other.images.object()),
+                              [&](const Object& moved, const Image& image) {
+                                  if (may_touch(bound, moved))
+                                      candidates_.push_back({moved, other.place, image});
+                              });
         std::ranges::sort(candidates_,
                           [](const Candidate& a, const Candidate& b) { return a.key() < b.key(); });
     }
+    // How far a tube, made of balls of its radius, is at most from the centre if it touches the bound.
+    static double reach_of(const CellBound& bound, const Object& other) {
+        const auto* tube = std::get_if<Cylinder>(&other);
+        return tube == nullptr ? infinity : bound.extent(tube->radius);
+    }
     static bool may_touch(const CellBound& bound, const Object& other) {
+        if (const auto* ball = std::get_if<Sphere>(&other)) return bound.may_touch(*ball);
         return bound.may_be_touched_by([&](const Vec3& p) { return least_distance(other, Sphere{p, 0}); });
     }
 
     Scene part_scene(const Object& base, const Box& box) const {
         const DiagramScene& all = decided_.scene();
-        Scene scene;
+        Scene scene = scene_without_others(decided_, object_);
         scene.base = base;
-        if (object_ < all.names.size()) scene.base_name = all.names[object_];
         scene.box = box;
-        scene.units = all.units;
-        scene.tolerance = all.tolerance;
-        scene.probe = all.probe;
         scene.objects.reserve(candidates_.size());
         for (const Candidate& c : candidates_) {
-            scene.objects.push_back(c.other != nullptr ? *c.other : Object(c.ball));
+            scene.objects.push_back(c.object);
             if (all.is_periodic())
                 scene.images.push_back({decided_.number(c.place), c.image});
             else
@@ -342,9 +399,9 @@ private:
     using Found = std::map<std::pair<Site, Image>, CellContact>;
     CellContact& contact_in(Found& found, const Scene& scene, const Site& site) const {
         std::pair<Site, Image> key{site, here};
-        if (site.is_object() && scene.numbers.empty()) {
-            const Candidate& c = candidates_[site.index];
-            key = {Site::object(decided_.number(c.place)), c.image};
+        if (site.is_object() && !scene.images.empty()) {
+            const ObjectImage& other = scene.images[site.index];
+            key = {Site::object(other.number), decided_.image_beside(object_, other)};
         }
         return found.try_emplace(key, CellContact{key.first, key.second}).first->second;
     }
@@ -437,12 +494,12 @@ private:
         result_.is_estimated = m.is_estimated;
         result_.candidates = static_cast<std::uint32_t>(cell.scene.objects.size());
         result_.assumed = cell.report.decisions.assumed;
-        std::map<std::uint32_t, CellContact> found;
+        Found found;
         double of_faces = 0;
         for (const CellFace& face : cell.faces) {
             const auto add = [&](const Site& site) {
                 if (!site.is_object()) return;
-                CellContact& contact = found.try_emplace(site.index, CellContact{site}).first->second;
+                CellContact& contact = contact_in(found, cell.scene, site);
                 contact.area += face.area;
                 contact.area_error += face.area_error + std::numeric_limits<double>::epsilon() * contact.area;
             };
@@ -453,10 +510,8 @@ private:
         }
         // Slabs that are in no part of the cell may have faces with any of them, too.
         const double left_out = std::max(0.0, m.area_error - of_faces);
-        for (auto& [number, contact] : found) {
-            contact.area_error += left_out;
-            result_.contacts.push_back(contact);
-        }
+        for (auto& [key, contact] : found) contact.area_error += left_out;
+        keep(found);
     }
 
     const DecidedDiagram& decided_;

@@ -13,13 +13,15 @@
 #include "cell_bound.hpp"
 #include "hidden_objects.hpp"
 #include "image_tree.hpp"
+#include "other_images.hpp"
 
 namespace vcell::whole {
 
 /// Throws what voronoi_diagram() throws about a scene.
 void validate_diagram(const DiagramScene& scene);
 /// Where the box repeats coordinates become multiples of one power of two, few enough digits that sums of
-/// several edges are exact. Returns a bound on the distance that they were moved by. Pre: validated.
+/// several edges are exact, and tubes are along such sums. Returns a bound on the distance that they were
+/// moved by. Pre: validated.
 double snap_to_grid(DiagramScene& scene);
 
 /// Is the point inside, and on no side?
@@ -60,8 +62,20 @@ public:
     bool is_wall(std::uint32_t i) const { return is_vessel(scene().objects[i]); }
     /// Are all objects balls, and do cells end nowhere but between them and at the box?
     bool is_simple() const { return others_.empty() && !scene().probe; }
+    struct Other {
+        std::uint32_t place;
+        OtherImages images;
+    };
     /// Objects that are no balls and are not hidden, ascending.
-    const std::vector<std::uint32_t>& others() const { return others_; }
+    const std::vector<Other>& others() const { return others_; }
+    /// own_periods() of an object of the scene; of a ball none.
+    std::span<const Image> periods(std::uint32_t i) const;
+    /// VoronoiDiagram::periods, of the objects that are known.
+    std::vector<ObjectImage> all_periods() const;
+    const Lattice& lattice() const { return lattice_; }
+    /// What stands for all images of another object, or of object i itself, that are the given one as seen
+    /// from some image of object i that is object i.
+    Image image_beside(std::uint32_t i, const ObjectImage& other) const;
     /// All balls that are not hidden, by their places.
     const ImageTree& balls() const { return balls_; }
     /// Why the object has no cell; empty: it has one.
@@ -110,7 +124,7 @@ private:
 
     ScenePart part_;
     Lattice lattice_;
-    std::vector<std::uint32_t> others_;
+    std::vector<Other> others_;
     ImageTree balls_;
 };
 

@@ -1,15 +1,128 @@
 #include "complete_cells.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <variant>
 
 #include "../../core/errors.hpp"
+#include "../object_distance.hpp"
 #include "../voronoi_cell.hpp"
+#include "tube_bound.hpp"
+#include "tube_room.hpp"
 
 namespace vcell::whole {
 
-std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t object) {
+namespace {
+
+// A lower bound of how far two axes are from each other: of those that are all but parallel 0.
+double distance_of_axes(const Cylinder& a, const Cylinder& b) {
+    const Vec3 along = a.axis.stableNormalized(), other = b.axis.stableNormalized(), way = b.point - a.point,
+               normal = along.cross(other);
+    const double size = a.point.cwiseAbs().sum() + b.point.cwiseAbs().sum(), sine = normal.norm();
+    constexpr double rounding = 0x1p-40, well_told = 0x1p-10;
+    if (a.axis == b.axis) return way.cross(along).norm() - rounding * size;
+    return sine > well_told ? std::abs(way.dot(normal)) / sine - rounding * size / well_told : 0;
+}
+
+double distance_of(const Box& box, const Vec3& p) {
+    return (p - p.cwiseMax(box.min).cwiseMin(box.max)).norm();
+}
+
+// All images that may be as near as an object to one of the points of a box which are no farther than
+// `clearance` from it.
+class NearImages {
+public:
+    NearImages(const DecidedDiagram& decided, std::uint32_t object, const Box& box, double clearance)
+        : decided_(decided),
+          base_(decided.scene().objects[object]),
+          box_(box),
+          clearance_(clearance * (1 + 0x1p-40)) {
+        const Vec3 middle = 0.5 * (box.min + box.max);
+        const double reach = 0.5 * box.diagonal() + clearance_;
+        decided.balls().within(middle, reach,
+                               [&](const Sphere& ball, std::uint32_t place, const Image& image) {
+                                   if (may_come_near(ball)) add(ball, place, image);
+                               });
+        for (const DecidedDiagram::Other& other : decided.others())
+            other.images.near(middle, reach, [&](const Object& moved, const Image& image) {
+                if (other.place == object && image == Image{0, 0, 0}) return;
+                if (may_come_near(moved)) add(moved, other.place, image);
+            });
+        std::ranges::sort(found_, {}, &Found::which);
+    }
+
+    /// Those that may touch a tube's cell stay.
+    void narrow(const TubeRoom& room) {
+        std::vector<Object> all;
+        for (const Found& f : found_) all.push_back(f.object);
+        const TubeBound bound(std::get<Cylinder>(base_), room, all, decided_.scene().probe);
+        std::erase_if(found_, [&](const Found& f) { return !bound.may_touch(f.object); });
+    }
+
+    void put_into(Scene& scene) const {
+        const std::vector<std::string>& names = decided_.scene().names;
+        for (const Found& f : found_) {
+            scene.objects.push_back(f.object);
+            scene.images.push_back({decided_.number(f.which.number), f.which.image});
+            if (!names.empty()) scene.names.push_back(names[f.which.number]);
+        }
+    }
+
+private:
+    struct Found {
+        ObjectImage which;  // by its place
+        Object object;
+    };
+    void add(const Object& object, std::uint32_t place, const Image& image) {
+        found_.push_back({{place, image}, object});
+    }
+    bool may_come_near(const Object& object) const {
+        const auto* tube = std::get_if<Cylinder>(&base_);
+        if (const auto* ball = std::get_if<Sphere>(&object))
+            return distance_of(box_, ball->center) - ball->radius < clearance_ &&
+                   (tube == nullptr || least_distance(*tube, *ball) < 2 * clearance_);
+        const auto* other = std::get_if<Cylinder>(&object);
+        return tube == nullptr || other == nullptr ||
+               distance_of_axes(*tube, *other) - tube->radius - other->radius < 2 * clearance_;
+    }
+
+    const DecidedDiagram& decided_;
+    const Object& base_;
+    const Box box_;
+    const double clearance_;
+    std::vector<Found> found_;
+};
+
+void add_all(const DecidedDiagram& decided, std::uint32_t object, Scene& scene) {
+    const DiagramScene& all = decided.scene();
+    for (std::uint32_t x = 0; x < all.objects.size(); ++x) {
+        if (x == object || !decided.hidden(x).empty()) continue;
+        scene.objects.push_back(all.objects[x]);
+        scene.numbers.push_back(decided.number(x));
+        if (!all.names.empty()) scene.names.push_back(all.names[x]);
+    }
+}
+
+void add_images(const DecidedDiagram& decided, std::uint32_t object, Scene& scene) {
+    const double most = scene.probe.value_or(infinity);
+    const auto* tube = std::get_if<Cylinder>(&scene.base);
+    if (tube == nullptr) {
+        // What is nearest to a plane in the box is within its diagonal.
+        NearImages(decided, object, scene.box, std::min(scene.box.diagonal(), most)).put_into(scene);
+        return;
+    }
+    const TubeRoom room = tube_room(decided.lattice(), scene.box, *tube, decided.periods(object));
+    NearImages near(decided, object, room.box, std::min(room.clearance, most));
+    near.narrow(room);
+    scene.box = room.box;
+    near.put_into(scene);
+}
+
+}  // namespace
+
+Scene scene_without_others(const DecidedDiagram& decided, std::uint32_t object) {
     const DiagramScene& all = decided.scene();
     Scene scene;
     scene.base = all.objects[object];
@@ -18,14 +131,17 @@ std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t
     scene.units = all.units;
     scene.tolerance = all.tolerance;
     scene.probe = all.probe;
-    for (std::uint32_t x = 0; x < all.objects.size(); ++x) {
-        if (x == object || !decided.hidden(x).empty()) continue;
-        scene.objects.push_back(all.objects[x]);
-        scene.numbers.push_back(decided.number(x));
-        if (!all.names.empty()) scene.names.push_back(all.names[x]);
-    }
+    return scene;
+}
+
+std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t object) {
+    Scene scene = scene_without_others(decided, object);
+    if (decided.scene().is_periodic())
+        add_images(decided, object, scene);
+    else
+        add_all(decided, object, scene);
     std::vector<Scene> scenes{std::move(scene)};
-    if (const auto* plane = std::get_if<Plane>(&all.objects[object])) {
+    if (const auto* plane = std::get_if<Plane>(&decided.scene().objects[object])) {
         scenes.push_back(scenes.front());
         scenes.back().base = Plane{plane->point, -plane->normal};
     }

@@ -8,8 +8,12 @@
 
 namespace vcell::whole {
 
-/// The scene of an object among all others, and of a plane that of its other side. Pre: the box does not
-/// repeat.
+/// The scene of an object, but for the others and the box.
+Scene scene_without_others(const DecidedDiagram& decided, std::uint32_t object);
+
+/// The scene of an object among all others, or where the box repeats among all images that may come near to
+/// its cell, in a box that holds one period of that (tube_room()); of a plane that of its other side, too.
+/// Pre: the object is no ball where the box repeats.
 std::vector<Scene> scenes_among_all(const DecidedDiagram& decided, std::uint32_t object);
 
 /// A tube's cell, and those on the two sides of a plane, complete (CellOptions::complete), among all objects.

@@ -12,6 +12,7 @@
 #include "../../primitives/bases/world_objects.hpp"
 #include "../../primitives/objects/exact_space.hpp"
 #include "../object_distance.hpp"
+#include "other_images.hpp"
 
 namespace vcell::whole {
 
@@ -97,27 +98,50 @@ std::string numbered(const std::vector<std::uint32_t>& numbers, std::uint32_t i)
     return "object " + std::to_string(numbers.empty() ? i : numbers[i]);
 }
 
-std::vector<std::uint32_t> no_balls(const DiagramScene& scene) {
-    std::vector<std::uint32_t> others;
+struct Other {
+    std::uint32_t number;  // its place
+    OtherImages images;
+};
+
+std::vector<Other> no_balls(const DiagramScene& scene, const Lattice& lattice) {
+    std::vector<Other> others;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-        if (!std::holds_alternative<Sphere>(scene.objects[i])) others.push_back(i);
+        if (!std::holds_alternative<Sphere>(scene.objects[i]))
+            others.push_back({i, OtherImages(lattice, scene.objects[i])});
     return others;
+}
+
+// A place of the object, which what holds it holds, too.
+Vec3 place_of(const Object& object) {
+    if (const auto* ball = std::get_if<Sphere>(&object)) return ball->center;
+    if (const auto* tube = std::get_if<Cylinder>(&object)) return tube->point;
+    if (const auto* plane = std::get_if<Plane>(&object)) return plane->point;
+    return Vec3::Zero();  // of a vessel, which nothing holds
 }
 
 // Why an object has no cell among others that are no balls.
 std::string hidden_among(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
-                         const std::vector<std::uint32_t>& others, std::uint32_t i) {
+                         const std::vector<Other>& others, std::uint32_t i) {
     return std::visit(
         [&](const auto& object) -> std::string {
-            for (const std::uint32_t x : others)
-                if (is_beyond_wall(scene.objects[x], object))
-                    return "lies beyond the wall of " + numbered(numbers, x);
-            for (const std::uint32_t x : others) {
-                if (x == i || !lies_in(scene.objects[x], object)) continue;
-                const bool is_equal = std::visit(
-                    [&](const auto& holder) { return lies_in(scene.objects[i], holder); }, scene.objects[x]);
-                if (!is_equal) return "lies in " + numbered(numbers, x);
-                if (x < i) return "equals " + numbered(numbers, x);
+            for (const Other& x : others)
+                if (is_beyond_wall(x.images.object(), object))
+                    return "lies beyond the wall of " + numbered(numbers, x.number);
+            const Vec3 place = place_of(object);
+            const double rounding = 0x1p-40 * place.cwiseAbs().sum() + std::numeric_limits<double>::min();
+            std::string reason;
+            for (const Other& x : others) {
+                if (x.number == i) continue;
+                x.images.near(place, rounding, [&](const Object& image, const Image&) {
+                    if (!reason.empty() || !lies_in(image, object)) return;
+                    const bool is_equal = std::visit(
+                        [&](const auto& holder) { return lies_in(scene.objects[i], holder); }, image);
+                    if (!is_equal)
+                        reason = "lies in " + numbered(numbers, x.number);
+                    else if (x.number < i)
+                        reason = "equals " + numbered(numbers, x.number);
+                });
+                if (!reason.empty()) return reason;
             }
             return {};
         },
@@ -126,11 +150,11 @@ std::string hidden_among(const DiagramScene& scene, const std::vector<std::uint3
 
 }  // namespace
 
-void hide_others(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
+void hide_others(const DiagramScene& scene, const Lattice& lattice, const std::vector<std::uint32_t>& numbers,
                  std::vector<std::string>& hidden) {
-    const std::vector<std::uint32_t> others = no_balls(scene);
-    for (const std::uint32_t i : others)
-        if (hidden[i].empty()) hidden[i] = hidden_among(scene, numbers, others, i);
+    const std::vector<Other> others = no_balls(scene, lattice);
+    for (const Other& x : others)
+        if (hidden[x.number].empty()) hidden[x.number] = hidden_among(scene, numbers, others, x.number);
 }
 
 double depth_in_holder(const Sphere& ball) {
@@ -142,8 +166,9 @@ double depth_in_holder(const Sphere& ball) {
 std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
                                      const ImageTree& balls) {
     std::vector<std::string> hidden(scene.objects.size());
-    hide_others(scene, numbers, hidden);
-    const std::vector<std::uint32_t> others = no_balls(scene);
+    const Lattice& lattice = balls.lattice();
+    hide_others(scene, lattice, numbers, hidden);
+    const std::vector<Other> others = no_balls(scene, lattice);
     std::vector<std::tuple<std::uint32_t, Image, Ball>> holders;
     std::vector<Ball> around;
     const auto ball_of = [](const Sphere& s) {

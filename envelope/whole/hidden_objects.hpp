@@ -20,8 +20,9 @@ double depth_in_holder(const Sphere& ball);
 /// have a cell.
 std::vector<std::string> find_hidden(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
                                      const ImageTree& balls);
-/// Says why objects that are no balls have no cell, where it is not said yet: balls hide none of them.
-void hide_others(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
+/// Says why objects that are no balls have no cell, where it is not said yet: balls hide none of them. Pre:
+/// the lattice is the scene's.
+void hide_others(const DiagramScene& scene, const Lattice& lattice, const std::vector<std::uint32_t>& numbers,
                  std::vector<std::string>& hidden);
 
 }  // namespace vcell::whole

@@ -33,6 +33,9 @@ public:
           to_unit_(edges_.inverse()) {}
 
     bool repeats() const { return periodic_[0] || periodic_[1] || periodic_[2]; }
+    bool repeats(int axis) const { return periodic_[static_cast<std::size_t>(axis)]; }
+    /// A direction as a combination of edges.
+    Vec3 in_edges(const Vec3& direction) const { return to_unit_ * direction; }
     const Eigen::Matrix3d& edges() const { return edges_; }
     /// Images are numbered as seen from others: those of balls in the box, and the box's, go so far.
     static constexpr int farthest = 1 << 13;

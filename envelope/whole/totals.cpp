@@ -4,6 +4,10 @@
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
+
+#include "own_periods.hpp"
 
 namespace vcell::whole {
 
@@ -19,11 +23,19 @@ std::string name_of(std::uint32_t object, const Image& image) {
 
 }  // namespace
 
-ContactSide contact_side(std::uint32_t owner, const CellContact& c) {
+ContactSide contact_side(std::uint32_t owner, const CellContact& c, std::span<const ObjectImage> periods) {
     ContactSide side{owner, c.site, c.image, owner, c.faces, c.area, c.area_error};
-    const Image back{static_cast<std::int16_t>(-c.image[0]), static_cast<std::int16_t>(-c.image[1]),
-                     static_cast<std::int16_t>(-c.image[2])};
-    if (c.site.is_object() && std::pair(c.site.index, c.image) < std::pair(owner, back)) {
+    if (!c.site.is_object()) return side;
+    std::vector<Image> both;
+    for (const std::uint32_t object : {std::min(owner, c.site.index), std::max(owner, c.site.index)})
+        for (const ObjectImage& p : std::ranges::equal_range(periods, object, {}, &ObjectImage::number))
+            both.push_back(p.image);
+    const Image back =
+        representative({static_cast<std::int16_t>(-c.image[0]), static_cast<std::int16_t>(-c.image[1]),
+                        static_cast<std::int16_t>(-c.image[2])},
+                       both);
+    side.image = representative(c.image, both);
+    if (std::pair(c.site.index, side.image) < std::pair(owner, back)) {
         side.first = c.site.index;
         side.second = Site::object(owner);
         side.image = back;

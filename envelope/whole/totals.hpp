@@ -21,7 +21,9 @@ struct ContactSide {
     double area, area_error;
 };
 
-ContactSide contact_side(std::uint32_t owner, const CellContact& contact);
+/// `periods` as VoronoiDiagram has them; of objects that are no part of them there are none.
+ContactSide contact_side(std::uint32_t owner, const CellContact& contact,
+                         std::span<const ObjectImage> periods);
 
 /// Must the cell list all of its contacts? It is computed, its errors are proven, and it has a volume: what
 /// lies beyond a side of the box and is the mirror image of an object in it has none, and the cell of that

@@ -193,8 +193,9 @@ Site side_at_end(const Scene& scene, Site site) {
 }
 
 std::string object_path(const Scene& scene, std::size_t object, const std::string& field) {
-    std::string path =
-        "objects[" + std::to_string(scene.number(object)) + "]." + type_name(scene.objects[object]);
+    const std::uint32_t number =
+        object < scene.images.size() ? scene.images[object].number : scene.number(object);
+    std::string path = "objects[" + std::to_string(number) + "]." + type_name(scene.objects[object]);
     if (!field.empty()) path += "." + field;
     return path;
 }
