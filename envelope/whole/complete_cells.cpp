@@ -39,45 +39,48 @@ public:
           base_(decided.scene().objects[object]),
           box_(box),
           clearance_(clearance * (1 + 0x1p-40)) {
+        struct Found {
+            ObjectImage place;
+            Object object;
+        };
+        std::vector<Found> found;
+        const auto add = [&](const Object& moved, std::uint32_t place, const Image& image) {
+            if (may_come_near(moved)) found.push_back({{place, image}, moved});
+        };
         const Vec3 middle = 0.5 * (box.min + box.max);
         const double reach = 0.5 * box.diagonal() + clearance_;
-        decided.balls().within(middle, reach,
-                               [&](const Sphere& ball, std::uint32_t place, const Image& image) {
-                                   if (may_come_near(ball)) add(ball, place, image);
-                               });
+        decided.balls().within(
+            middle, reach,
+            [&](const Sphere& ball, std::uint32_t place, const Image& image) { add(ball, place, image); });
         for (const DecidedDiagram::Other& other : decided.others())
             other.images.near(middle, reach, [&](const Object& moved, const Image& image) {
-                if (other.place == object && image == Image{0, 0, 0}) return;
-                if (may_come_near(moved)) add(moved, other.place, image);
+                if (other.place != object || image != Image{0, 0, 0}) add(moved, other.place, image);
             });
-        std::ranges::sort(found_, {}, &Found::which);
+        std::ranges::sort(found, {}, &Found::place);
+        for (const Found& f : found) {
+            places_.push_back(f.place);
+            objects_.push_back(f.object);
+        }
     }
 
-    /// Those that may touch a tube's cell stay.
-    void narrow(const TubeRoom& room) {
-        std::vector<Object> all;
-        for (const Found& f : found_) all.push_back(f.object);
-        const TubeBound bound(std::get<Cylinder>(base_), room, all, decided_.scene().probe);
-        std::erase_if(found_, [&](const Found& f) { return !bound.may_touch(f.object); });
+    /// What they leave of the tube's cell over feet between these.
+    TubeBound bound(const Cylinder& tube, const std::array<Vec3, 2>& feet) const {
+        return {tube, feet, box_, objects_, decided_.scene().probe};
     }
 
-    void put_into(Scene& scene) const {
+    /// Those that may touch the bound.
+    void put_into(Scene& scene, const TubeBound* bound) const {
         const std::vector<std::string>& names = decided_.scene().names;
-        for (const Found& f : found_) {
-            scene.objects.push_back(f.object);
-            scene.images.push_back({decided_.number(f.which.number), f.which.image});
-            if (!names.empty()) scene.names.push_back(names[f.which.number]);
+        for (std::size_t k = 0; k < objects_.size(); ++k) {
+            if (bound != nullptr && !bound->may_touch(objects_[k])) continue;
+            const ObjectImage& which = places_[k];
+            scene.objects.push_back(objects_[k]);
+            scene.images.push_back({decided_.number(which.number), which.image});
+            if (!names.empty()) scene.names.push_back(names[which.number]);
         }
     }
 
 private:
-    struct Found {
-        ObjectImage which;  // by its place
-        Object object;
-    };
-    void add(const Object& object, std::uint32_t place, const Image& image) {
-        found_.push_back({{place, image}, object});
-    }
     bool may_come_near(const Object& object) const {
         const auto* tube = std::get_if<Cylinder>(&base_);
         if (const auto* ball = std::get_if<Sphere>(&object))
@@ -92,7 +95,8 @@ private:
     const Object& base_;
     const Box box_;
     const double clearance_;
-    std::vector<Found> found_;
+    std::vector<ObjectImage> places_;  // ascending
+    std::vector<Object> objects_;
 };
 
 void add_all(const DecidedDiagram& decided, std::uint32_t object, Scene& scene) {
@@ -110,14 +114,21 @@ void add_images(const DecidedDiagram& decided, std::uint32_t object, Scene& scen
     const auto* tube = std::get_if<Cylinder>(&scene.base);
     if (tube == nullptr) {
         // What is nearest to a plane in the box is within its diagonal.
-        NearImages(decided, object, scene.box, std::min(scene.box.diagonal(), most)).put_into(scene);
+        NearImages(decided, object, scene.box, std::min(scene.box.diagonal(), most)).put_into(scene, nullptr);
         return;
     }
-    const TubeRoom room = tube_room(decided.lattice(), scene.box, *tube, decided.periods(object));
-    NearImages near(decided, object, room.box, std::min(room.clearance, most));
-    near.narrow(room);
+    const std::span<const Image> periods = decided.periods(object);
+    const auto room_within = [&](double farthest) {
+        return tube_room(decided.lattice(), scene.box, *tube, periods, farthest);
+    };
+    const TubeRoom wide = room_within(infinity);
+    const NearImages near(decided, object, wide.box, std::min(wide.clearance, most));
+    // One period tells how far all of the cell reaches. Of a cell that ends at sides which do not repeat it
+    // could not be told from the cell that it does not come back into the box beyond a narrower one.
+    const TubeRoom room = periods.empty() ? wide : room_within(near.bound(*tube, wide.axis).farthest());
     scene.box = room.box;
-    near.put_into(scene);
+    const TubeBound bound = near.bound(*tube, room.feet);
+    near.put_into(scene, &bound);
 }
 
 }  // namespace

@@ -23,15 +23,15 @@ std::optional<Sphere> ball_in(const Object& object, const Vec3& point) {
 
 }  // namespace
 
-TubeBound::TubeBound(const Cylinder& tube, const TubeRoom& room, std::span<const Object> others,
-                     std::optional<double> probe)
-    : tube_(tube), room_(room), others_(others), probe_(probe) {
-    constexpr int most_divisions = 8;
-    add(room.feet[0], room.feet[1], most_divisions);
+TubeBound::TubeBound(const Cylinder& tube, const std::array<Vec3, 2>& feet, const Box& box,
+                     std::span<const Object> others, std::optional<double> probe)
+    : tube_(tube), box_(box), others_(others), probe_(probe) {
+    constexpr int most_divisions = 9;
+    add(feet[0], feet[1], most_divisions);
 }
 
 TubeBound::Piece TubeBound::piece(const Vec3& begin, const Vec3& end) const {
-    constexpr std::size_t few = 28;  // bound most cells nearly as well as all
+    constexpr std::size_t few = 56;  // bound most cells nearly as well as all
     constexpr double rounding = 1 + 0x1p-40;
     const Vec3 middle = 0.5 * (begin + end);
     const double half = 0.5 * rounding * (end - begin).norm();
@@ -48,7 +48,7 @@ TubeBound::Piece TubeBound::piece(const Vec3& begin, const Vec3& end) const {
     std::partial_sort(nearest.begin(), last, nearest.end(),
                       [](const auto& a, const auto& b) { return a.first < b.first; });
     CellBound bound(base);
-    bound.add(room_.box);
+    bound.add(box_);
     if (probe_) bound.add_cap(*probe_);
     // Feet are in the piece: planes at its ends are as far from balls of one size beside them.
     const Vec3 next = rounding * (end - begin);
@@ -63,13 +63,20 @@ TubeBound::Piece TubeBound::piece(const Vec3& begin, const Vec3& end) const {
 void TubeBound::add(const Vec3& begin, const Vec3& end, int divisions) {
     Piece whole = piece(begin, end);
     // A ball as large as the room among its neighbours is bounded badly.
-    if (divisions == 0 || 4 * whole.half < whole.last) {
+    if (divisions == 0 || (4 * whole.half < whole.last && whole.of_ball.reach() < 4 * whole.last)) {
         pieces_.push_back(std::move(whole));
         return;
     }
     const Vec3 middle = 0.5 * (begin + end);
     add(begin, middle, divisions - 1);
     add(middle, end, divisions - 1);
+}
+
+double TubeBound::farthest() const {
+    double most = 0;
+    for (const Piece& piece : pieces_)
+        most = std::max(most, 0.5 * piece.of_ball.reach() + piece.half + tube_.radius);
+    return most;
 }
 
 bool TubeBound::may_touch(const Object& object) const {

@@ -10,22 +10,24 @@
 /// it, grown by h, may touch the bound of the ball's. Balls along the axis tell of all of the cell.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "cell_bound.hpp"
-#include "tube_room.hpp"
 
 namespace vcell::whole {
 
 class TubeBound {
 public:
-    /// The cell ends at the room's box, among `others`, and at a probe. Pre: the room is the tube's.
-    TubeBound(const Cylinder& tube, const TubeRoom& room, std::span<const Object> others,
-              std::optional<double> probe);
+    /// Of what has its feet between these: it ends at the box, among `others`, and at a probe.
+    TubeBound(const Cylinder& tube, const std::array<Vec3, 2>& feet, const Box& box,
+              std::span<const Object> others, std::optional<double> probe);
 
     bool may_touch(const Object& object) const;
+    /// None of its points is farther from the axis.
+    double farthest() const;
 
 private:
     struct Piece {
@@ -37,7 +39,7 @@ private:
     void add(const Vec3& begin, const Vec3& end, int divisions);
 
     const Cylinder& tube_;
-    const TubeRoom& room_;
+    const Box& box_;
     std::span<const Object> others_;
     std::optional<double> probe_;
     std::vector<Piece> pieces_;

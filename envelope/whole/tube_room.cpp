@@ -46,10 +46,18 @@ double farthest_among_images(const Lattice& lattice, const Vec3& direction) {
     return 0.5 * std::hypot(shortest.norm(), other);
 }
 
+// How long the edges are that repeat, of a box that does not lean.
+Vec3 edges_that_repeat(const Lattice& lattice) {
+    Vec3 edges = lattice.edges().diagonal();
+    for (int k = 0; k < 3; ++k)
+        if (!lattice.repeats(k)) edges[k] = 0;
+    return edges;
+}
+
 }  // namespace
 
 TubeRoom tube_room(const Lattice& lattice, const Box& box, const Cylinder& tube,
-                   std::span<const Image> periods) {
+                   std::span<const Image> periods, double farthest) {
     const bool closes = !periods.empty();
     const Vec3 along = closes ? lattice.shift(periods.front()) : tube.axis;
     // The axis of the box across which the cell ends: of those that repeat where the tube closes, and
@@ -70,18 +78,24 @@ TubeRoom tube_room(const Lattice& lattice, const Box& box, const Cylinder& tube,
     const Vec3 middle = tube.point + (0.5 * (begin + end) - tube.point[across]) * step;
 
     const Vec3 direction = along.normalized();
-    const double among_images = farthest_among_images(lattice, direction);
+    double among_images = farthest_among_images(lattice, direction);
+    if (!closes) among_images = std::min(among_images, 0.5 * edges_that_repeat(lattice).norm());
     // Of the cell from the axis, along the box's axes that repeat.
     Vec3 reach = Vec3::Constant(among_images);
     const bool is_upright = lattice.edges().isDiagonal(0), is_along_edge = (step.array() != 0).count() == 1;
     if (is_upright && is_along_edge) reach = 0.5 * lattice.edges().diagonal();
-    const double beside = std::hypot(among_images, farthest_in(lattice, box, middle).norm());
+    const double beside =
+        std::min(farthest, std::hypot(among_images, farthest_in(lattice, box, middle).norm()));
+    reach = reach.cwiseMin(beside);
 
+    const auto around_middle = [&](double half) {
+        return std::array<Vec3, 2>{middle - half * step, middle + half * step};
+    };
     const double before =
                      margin * beside * std::sqrt(std::max(0.0, 1 - direction[across] * direction[across])),
                  half = 0.5 * (end - begin) + before;
-    TubeRoom room{
-        box, {middle - half * step, middle + half * step}, std::max(0.0, margin * beside - tube.radius)};
+    TubeRoom room{box, around_middle(0.5 * (end - begin)), around_middle(half),
+                  std::max(0.0, margin * beside - tube.radius)};
     room.box.min[across] = begin;
     room.box.max[across] = end;
     for (int k = 0; k < 3; ++k) {

@@ -22,13 +22,14 @@ struct TubeRoom {
     /// Holds the cell, or one period of it. The cell may come to the sides that do not repeat, and to those
     /// of the cut; the others are out of sight.
     Box box;
+    std::array<Vec3, 2> axis;  ///< the tube's, in the planes of the cut: a period, where it closes
     std::array<Vec3, 2> feet;  ///< between which those of the cell's points are on the axis
     double clearance;          ///< no point of the cell in that box is farther from the tube's surface
 };
 
 /// `box` is the one that repeats. Pre: own_periods() of the tube are these, and it is aligned to them; its
-/// point is on the grid; the box repeats.
+/// point is on the grid; the box repeats; no point of the cell is farther from the axis than `farthest`.
 TubeRoom tube_room(const Lattice& lattice, const Box& box, const Cylinder& tube,
-                   std::span<const Image> periods);
+                   std::span<const Image> periods, double farthest);
 
 }  // namespace vcell::whole

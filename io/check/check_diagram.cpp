@@ -22,6 +22,7 @@
 #include "containment.hpp"
 #include "diagram_pairs.hpp"
 #include "near_balls.hpp"
+#include "near_others.hpp"
 #include "space.hpp"
 
 namespace vcell {
@@ -39,20 +40,21 @@ public:
           diagram_(diagram),
           options_(options),
           threads_(threads),
-          balls_(diagram.scene) {
+          balls_(diagram.scene),
+          near_(diagram.scene, balls_) {
         const Box& box = diagram.scene.box;
         rounding_ = check::file_rounding *
                     std::max({box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff(), box.diagonal()});
         const std::vector<Object>& objects = diagram.scene.objects;
         for (std::uint32_t i = 0; i < objects.size(); ++i)
-            if (!is_ball(i)) others_.emplace_back(i, check::Surface<Interval>(objects[i]));
+            if (!is_ball(i)) others_.push_back(i);
         find_hidden();
     }
 
     Certificate operator()() {
         check_cells();
         check_without_cells();
-        check::certify_pairs(diagram_, balls_, rounding_, certificate_);
+        check::certify_pairs(diagram_, balls_, near_, rounding_, certificate_);
         check_volume();
         return std::move(certificate_);
     }
@@ -108,28 +110,61 @@ private:
 
     // All objects that may be nearer to the surface of ball i than `reach`.
     Candidates candidates(std::uint32_t i, double reach) const {
+        return candidates_around(balls_.search(i, reach), ball(i), reach);
+    }
+    Candidates candidates_around(check::NearBalls::Search near, const Sphere& ball, double reach) const {
         Candidates result;
-        check::NearBalls::Search near = balls_.search(i, reach);
         result.lack = std::move(near.lack);
         for (const auto& [object, moved] : near.found) result.found.push_back({object, moved});
-        for (const auto& [number, surface] : others_) {
-            const Interval distance = surface.distance(check::to_vector<Interval>(ball(i).center));
+        check::NearOthers::Search others = near_.search(ball.center, ball.radius + reach);
+        if (result.lack.empty()) result.lack = std::move(others.lack);
+        for (const auto& [object, shape] : others.found) {
+            const check::Surface<Interval> surface(shape);
+            const Interval distance = surface.distance(check::to_vector<Interval>(ball.center));
             const bool is_plane = surface.kind == check::Surface<Interval>::Kind::plane;
-            const Interval room =
-                (is_plane ? check::magnitude(distance) : distance) - Interval(ball(i).radius);
-            if (!(room.lower() > reach))
-                result.found.push_back({{number, {}}, diagram_.scene.objects[number]});
+            const Interval room = (is_plane ? check::magnitude(distance) : distance) - Interval(ball.radius);
+            if (!(room.lower() > reach)) result.found.push_back({object, shape});
         }
         std::ranges::sort(result.found, {}, &Candidate::object);
         return result;
     }
 
-    // All objects but one.
-    Candidates all_but(std::uint32_t object) const {
+    // All objects but one, and where the box repeats all images that may be as near as that one to a point of
+    // its cell in a box: no point is farther from it than half of `reach`.
+    Candidates all_but(std::uint32_t object, const Box& box, double reach) const {
         Candidates result;
+        if (diagram_.scene.is_periodic()) {
+            const Sphere around{0.5 * (box.min + box.max), 0.5 * box.diagonal() * (1 + 0x1p-40)};
+            const double far = std::min(reach, 2 * farthest_in(object, box));
+            result = candidates_around(balls_.search(around, far), around, far);
+            const Object& self = diagram_.scene.objects[object];
+            std::erase_if(result.found, [&](const Candidate& found) {
+                const auto* ball = std::get_if<Sphere>(&found.shape);
+                return found.object == ObjectImage{object, {}} ||
+                       (ball != nullptr && distance_of(self, *ball).lower() > far);
+            });
+            return result;
+        }
         for (std::uint32_t i = 0; i < diagram_.scene.objects.size(); ++i)
             if (i != object) result.found.push_back({{i, {}}, diagram_.scene.objects[i]});
         return result;
+    }
+    static Interval distance_of(const Object& object, const Sphere& ball) {
+        const check::Surface<Interval> surface(object);
+        const Interval distance = surface.distance(check::to_vector<Interval>(ball.center));
+        return (surface.kind == check::Surface<Interval>::Kind::plane ? check::magnitude(distance)
+                                                                      : distance) -
+               Interval(ball.radius);
+    }
+    // How far points of a box are from an object, at most: corners are the farthest.
+    double farthest_in(std::uint32_t object, const Box& box) const {
+        double most = 0;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            Vec3 p;
+            for (unsigned k = 0; k < 3; ++k) p[k] = ((corner & 1U << k) != 0 ? box.max : box.min)[k];
+            most = std::max(most, distance_of(diagram_.scene.objects[object], Sphere{p, 0}).upper());
+        }
+        return most;
     }
 
     // What is said of objects by their places among the candidates, said by their numbers.
@@ -151,13 +186,17 @@ private:
         }
     }
 
+    ObjectImage image_of(const Cell& stored, std::uint32_t named) const {
+        const ObjectImage& image = stored.scene.images[named];
+        return {image.number, near_.representative(image)};
+    }
     // The cell with its scene: the objects that can reach it, and sites are places among these.
     Cell cell_among(const std::vector<Candidate>& near, std::uint32_t object, const Cell& stored) const {
         const DiagramScene& all = diagram_.scene;
         Cell cell = stored;
         Scene& scene = cell.scene;
         scene.base = base_of(object, stored);
-        scene.box = is_ball(object) ? room(ball(object)) : all.box;
+        if (is_ball(object)) scene.box = room(ball(object));
         scene.units = all.units;
         scene.tolerance = all.tolerance;
         scene.probe = all.probe;
@@ -165,7 +204,7 @@ private:
 
         // What is not among them is no object.
         const auto place_of = [&](std::uint32_t named) {
-            const ObjectImage& image = stored.scene.images[named];
+            const ObjectImage image = image_of(stored, named);
             const auto at = std::ranges::lower_bound(near, image, {}, &Candidate::object);
             return at != near.end() && at->object == image ? static_cast<std::uint32_t>(at - near.begin())
                                                            : UINT32_MAX - 1;
@@ -181,27 +220,36 @@ private:
 
     Certificate certificate_of(std::uint32_t object, const Cell& stored) const {
         Certificate certificate;
+        const Object& whose = diagram_.scene.objects[object];
+        const auto* tube = std::get_if<Cylinder>(&whose);
+        const std::optional<int> cut = tube != nullptr ? near_.cut_of(*tube, object) : std::nullopt;
         std::optional<Site> side;
         for_each_site(stored, [&](const Site& site) {
-            if (site.kind == Site::Kind::BoxSide && repeats(site.index)) side = site;
+            if (site.kind == Site::Kind::BoxSide && repeats(site.index) &&
+                !std::holds_alternative<Plane>(whose) && cut != static_cast<int>(site.index / 2))
+                side = site;
         });
         if (side)
             certificate.refute("faces",
                                fmt::format("end at {}, along which the box repeats", to_string(*side)));
+        if (tube != nullptr && diagram_.scene.is_periodic()) {
+            const std::string lack = near_.lack_of_room(stored.scene.box, *tube, object, stored.edges);
+            if (!lack.empty()) certificate.leave_open("box", lack, HUGE_VAL);
+        }
         const Measures& m = stored.measures;
         const double stated = 2 * (m.max_clearance + m.max_clearance_error);
-        const double reach =
-            std::min(std::isfinite(stated) ? std::max(0.0, stated) : HUGE_VAL, 2 * balls_.farthest());
-        Candidates near = is_ball(object) ? candidates(object, reach) : all_but(object);
+        const double reach = std::isfinite(stated) ? std::max(0.0, stated) : HUGE_VAL;
+        Candidates near = is_ball(object) ? candidates(object, std::min(reach, 2 * balls_.farthest()))
+                                          : all_but(object, stored.scene.box, reach);
         if (!near.lack.empty()) {
             certificate.leave_open("scene", near.lack, HUGE_VAL);
             return certificate;
         }
         std::erase_if(near.found, [&](const Candidate& found) { return is_hidden(found.object.number); });
-        for (const ObjectImage& image : stored.scene.images)
-            if (!std::ranges::binary_search(near.found, image, {}, &Candidate::object))
-                certificate.refute(
-                    "sites", fmt::format("name object {}, which cannot reach the cell", to_string(image)));
+        for (std::uint32_t named = 0; named < stored.scene.images.size(); ++named)
+            if (!std::ranges::binary_search(near.found, image_of(stored, named), {}, &Candidate::object))
+                certificate.refute("sites", fmt::format("name object {}, which cannot reach the cell",
+                                                        to_string(stored.scene.images[named])));
         try {
             const Cell cell = cell_among(near.found, object, stored);
             validate(cell.scene);
@@ -246,9 +294,18 @@ private:
                 return check::contains(found.shape, objects[i]) &&
                        (found.object.number < i || !check::contains(objects[i], found.shape));
             };
-            const Candidates near = is_ball(i) ? candidates(i, 0) : all_but(i);
+            const Candidates near = is_ball(i) ? candidates(i, 0) : holders(i);
             if (near.lack.empty() && std::ranges::any_of(near.found, holds)) hidden_.push_back(i);
         }
+    }
+
+    // What may hold an object that is no ball.
+    Candidates holders(std::uint32_t i) const {
+        const auto* tube = std::get_if<Cylinder>(&diagram_.scene.objects[i]);
+        if (tube == nullptr || !diagram_.scene.is_periodic()) return all_but(i, diagram_.scene.box, HUGE_VAL);
+        Candidates result = candidates_around({}, Sphere{tube->point, 0}, 0);
+        std::erase_if(result.found, [&](const Candidate& found) { return found.object.number == i; });
+        return result;
     }
 
     void check_without_cells() {
@@ -328,8 +385,8 @@ private:
         for (int k = 0; k < 3; ++k)
             box *= Interval(diagram_.scene.box.max[k]) - Interval(diagram_.scene.box.min[k]);
         // Where all objects but balls in others have cells nothing is left, but what a probe leaves.
-        const bool are_all = !is_one_left_out_ && std::ranges::all_of(others_, [&](const auto& other) {
-            return is_whole(other.first);
+        const bool are_all = !is_one_left_out_ && std::ranges::all_of(others_, [&](std::uint32_t other) {
+            return is_whole(other);
         });
         const bool fills = are_all && !diagram_.scene.probe;
         if ((fills && sum.upper() < box.lower()) || box.upper() < sum.lower())
@@ -349,7 +406,8 @@ private:
     const CheckOptions& options_;
     const unsigned threads_;
     const check::NearBalls balls_;
-    std::vector<std::pair<std::uint32_t, check::Surface<Interval>>> others_;  // that are no balls
+    const check::NearOthers near_;
+    std::vector<std::uint32_t> others_;  // that are no balls
     std::vector<std::uint32_t> hidden_;  // without a cell, as they lie in something, ascending
     double rounding_ = 0;                // of points, in the scene's unit
     bool is_one_left_out_ = false;       // a ball that has no cell, though it may own something

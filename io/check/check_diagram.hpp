@@ -3,7 +3,8 @@
 /// Each cell is judged as a cell by certify(): that of a plane or a tube among all objects, that of a ball
 /// among those that can be as near to anything of it as the ball, no farther from the ball's surface than
 /// twice the cell's largest clearance, which certify() proves, too. Where the box repeats these are images
-/// (near_balls.hpp), and none of the cell's faces may lie on a side that repeats. Then
+/// (near_balls.hpp, near_others.hpp), and none of the cell's faces may lie on a side that repeats, but where
+/// that cuts a tube's cell to one period. Then
 ///   - a ball without a cell lies in another object, or beyond a vessel's wall, or equals a ball of a lower
 ///     number, or a probe that ends cells does not get from it to the box; of another one beyond the box, or
 ///     that the file says it lacks, nothing is said;
@@ -34,7 +35,8 @@ struct StoredDiagram {
     double moved = 0;
     /// By object, ascending; of a plane first that on the side of its normal, if it has both. Sites of
     /// elements are places in `images` of the cells' scenes, which have nothing else but the object as
-    /// `base`, a plane turned to the side of its cell, and the probe.
+    /// `base`, a plane turned to the side of its cell, the probe, and the box: of a tube in one that repeats
+    /// what its cell is computed in, and otherwise the diagram's.
     std::vector<std::pair<std::uint32_t, Cell>> cells;
     /// Objects whose cells the file has not, or of planes not on both sides, and why; ascending.
     struct Lacking {

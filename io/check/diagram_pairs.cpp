@@ -36,16 +36,21 @@ std::string to_string(const PlacedSite& placed) {
 // That cells agree about what two of them share.
 class DiagramPairs {
 public:
-    DiagramPairs(const StoredDiagram& diagram, const NearBalls& balls, double rounding)
-        : diagram_(diagram), balls_(balls), rounding_(rounding) {}
+    DiagramPairs(const StoredDiagram& diagram, const NearBalls& balls, const NearOthers& others,
+                 double rounding)
+        : diagram_(diagram), balls_(balls), others_(others), rounding_(rounding) {}
 
     void operator()(Certificate& certificate) const {
         std::map<Pair, std::array<Shared, 2>> pairs;
         for (const auto& [object, cell] : diagram_.cells) {
             const ObjectImage own{object, {}};
-            const auto shared = [&](const ObjectImage& other) -> Shared& {
-                return own < other ? pairs[{own.number, other}][0]
-                                   : pairs[{other.number, {own.number, joined({}, other.image, -1)}}][1];
+            const auto shared = [&](ObjectImage other) -> Shared& {
+                ObjectImage back{own.number, joined({}, other.image, -1)};
+                back.image = others_.representative(back, other.number);
+                other.image = others_.representative(other, own.number);
+                return std::pair(other.number, other.image) < std::pair(own.number, back.image)
+                           ? pairs[{other.number, back}][1]
+                           : pairs[{own.number, other}][0];
             };
             const std::vector<ObjectImage>& images = cell.scene.images;
             const auto is_shared = [&](const Site& site) {
@@ -63,18 +68,23 @@ public:
             }
             for (const CellVertex& v : cell.vertices) {
                 const std::vector<PlacedSite> sites = placed(object, cell, v.sites);
+                if (is_on_cut(cell, v)) continue;
                 for (const Site site : v.sites)
                     if (is_shared(site))
-                        shared(images[site.index]).vertices.push_back({sites, v.point, v.error});
+                        shared(images[site.index])
+                            .vertices.push_back(
+                                in_period({sites, v.point, v.error}, own, images[site.index]));
             }
         }
         for (auto& [pair, sides] : pairs) {
             const std::string where = fmt::format("pairs[{}, {}]", pair.first, vcell::to_string(pair.second));
             move(sides[1], pair.second.image);
-            const std::vector<const Cell*> in_parts = cells_in_parts(pair);
+            const std::vector<InParts> in_parts = cells_in_parts(pair);
             leave_whole(sides, in_parts);
-            std::string fault = fault_of(sides, !in_parts.empty());
-            if (fault.empty()) fault = fault_of_vertices(pair, sides);
+            const bool is_cut = has_periods(pair.first) || has_periods(pair.second.number);
+            std::string fault = in_parts.empty() ? fault_of(sides, is_cut) : std::string();
+            if (fault.empty() && !(has_periods(pair.first) && has_periods(pair.second.number)))
+                fault = fault_of_vertices(pair, sides);
             if (fault.empty())
                 certificate.prove(where);
             else
@@ -98,16 +108,36 @@ private:
     // images the greater one of two opposite ones.
     using Pair = std::pair<std::uint32_t, ObjectImage>;
 
+    bool has_periods(std::uint32_t object) const { return !others_.periods(object).empty(); }
+    // Is it on a side across which the box repeats, where one period of a cell ends?
+    bool is_on_cut(const Cell& cell, const CellVertex& v) const {
+        return std::ranges::any_of(v.sites, [&](Site site) {
+            site = side_at_end(cell.scene, site);
+            return site.kind == Site::Kind::BoxSide && diagram_.scene.periodic[site.index / 2];
+        });
+    }
+    // A vertex of an object's cell is one of a pair with an image that stands for others: where that is, seen
+    // from the object, which is where it was after its periods. Of the two one has no periods.
+    Shared::Vertex in_period(Shared::Vertex v, const ObjectImage& own, const ObjectImage& other) const {
+        if (!has_periods(own.number) || has_periods(other.number)) return v;
+        ObjectImage back{own.number, joined({}, other.image, -1)};
+        back.image = others_.representative(back, other.number);
+        const ImageIndex ahead = others_.representative(other, own.number);
+        const bool is_second = std::pair(other.number, ahead) < std::pair(own.number, back.image);
+        move(v, is_second ? joined({}, joined(back.image, other.image), -1) : joined(ahead, other.image, -1));
+        return v;
+    }
+
     // The sites of one of a cell's elements and the cell's own object, ascending.
-    static std::vector<PlacedSite> placed(std::uint32_t object, const Cell& cell,
-                                          std::span<const Site> of_element) {
+    std::vector<PlacedSite> placed(std::uint32_t object, const Cell& cell,
+                                   std::span<const Site> of_element) const {
         std::vector<PlacedSite> sites{{Site::object(object), {}}};
         for (const Site site : of_element) {
             if (!site.is_object()) {
                 sites.emplace_back(side_at_end(cell.scene, site), ImageIndex{});
             } else {
                 const ObjectImage& image = cell.scene.images[site.index];
-                sites.emplace_back(Site::object(image.number), image.image);
+                sites.emplace_back(Site::object(image.number), others_.representative(image));
             }
         }
         std::ranges::sort(sites);
@@ -126,21 +156,37 @@ private:
     auto cells_of(std::uint32_t object) const {
         return std::ranges::equal_range(diagram_.cells, object, {}, [](const auto& c) { return c.first; });
     }
-    // The cells of two objects that come in parts.
-    std::vector<const Cell*> cells_in_parts(const Pair& pair) const {
-        std::vector<const Cell*> found;
-        for (const std::uint32_t object : {pair.first, pair.second.number})
-            for (const auto& [number, cell] : cells_of(object))
-                if (!cell.parts.empty()) found.push_back(&cell);
+    // A cell of the pair that comes in parts, and where it is as seen from the first one.
+    struct InParts {
+        const Cell* cell;
+        ObjectImage object;
+    };
+    std::vector<InParts> cells_in_parts(const Pair& pair) const {
+        std::vector<InParts> found;
+        for (const ObjectImage& object : {ObjectImage{pair.first, {}}, pair.second})
+            for (const auto& [number, cell] : cells_of(object.number))
+                if (!cell.parts.empty()) found.push_back({&cell, object});
         return found;
     }
     // Leaves of the vertices of two cells what both must have, as neither leaves it out.
-    void leave_whole(std::array<Shared, 2>& sides, const std::vector<const Cell*>& in_parts) const {
+    void leave_whole(std::array<Shared, 2>& sides, const std::vector<InParts>& in_parts) const {
         for (Shared& side : sides)
             std::erase_if(side.vertices, [&](const Shared::Vertex& v) {
-                return std::ranges::any_of(
-                    in_parts, [&](const Cell* cell) { return !is_in_part(*cell, v.point, v.error); });
+                return std::ranges::any_of(in_parts, [&](const InParts& whose) {
+                    return !is_in_part(*whose.cell, in_cell(whose, v.point), v.error);
+                });
             });
+    }
+    // Where a point is in the file's period of a cell.
+    Vec3 in_cell(const InParts& whose, const Vec3& point) const {
+        const Vec3 p = point - balls_.shift(whose.object.image);
+        const auto& tube = std::get<Cylinder>(whose.cell->scene.base);
+        const std::optional<int> cut = others_.cut_of(tube, whose.object.number);
+        if (!cut) return p;
+        const Vec3 period = balls_.shift(others_.periods(whose.object.number).front());
+        const Box& box = whose.cell->scene.box;
+        const double middle = 0.5 * (box.min[*cut] + box.max[*cut]);
+        return p + std::round((middle - p[*cut]) / period[*cut]) * period;
     }
 
     // The vertices of the second of two cells as the first one sees them.
@@ -153,7 +199,7 @@ private:
         v.error += file_rounding * (v.point.norm() + by.norm());
         v.point += by;
         for (auto& [site, of] : v.sites)
-            if (site.is_object()) of = joined(of, image);
+            if (site.is_object()) of = others_.representative({site.index, joined(of, image)});
         std::ranges::sort(v.sites);
     }
     // A vertex of the first of two cells as the second one sees it.
@@ -165,8 +211,7 @@ private:
 
     static std::string fault_of(const std::array<Shared, 2>& sides, bool is_cut) {
         const auto& [a, b] = sides;
-        if (is_cut) return {};
-        if (a.faces != b.faces)
+        if (is_cut ? (a.faces == 0) != (b.faces == 0) : a.faces != b.faces)
             return fmt::format("the two cells have {} and {} faces between them", a.faces, b.faces);
         if (a.faces > 0 && (a.area.upper() < b.area.lower() || b.area.upper() < a.area.lower()))
             return fmt::format("the two cells have areas of {} and {} between them", a.area.mid(),
@@ -245,14 +290,15 @@ private:
 
     const StoredDiagram& diagram_;
     const NearBalls& balls_;
+    const NearOthers& others_;
     const double rounding_;  // of points, in the scene's unit
 };
 
 }  // namespace
 
-void certify_pairs(const StoredDiagram& diagram, const NearBalls& balls, double rounding,
-                   Certificate& certificate) {
-    DiagramPairs(diagram, balls, rounding)(certificate);
+void certify_pairs(const StoredDiagram& diagram, const NearBalls& balls, const NearOthers& others,
+                   double rounding, Certificate& certificate) {
+    DiagramPairs(diagram, balls, others, rounding)(certificate);
 }
 
 }  // namespace vcell::check

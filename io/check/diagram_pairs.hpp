@@ -8,6 +8,7 @@
 
 #include "check_diagram.hpp"
 #include "near_balls.hpp"
+#include "near_others.hpp"
 
 namespace vcell::check {
 
@@ -56,7 +57,11 @@ private:
 /// roundings (Report::moved): what two cells have in common may meet in one and not in the other. So a vertex
 /// that one of them has alone is to lie on an edge of the other one, within both errors, which belongs to
 /// sites of the vertex.
-void certify_pairs(const StoredDiagram& diagram, const NearBalls& balls, double rounding,
-                   Certificate& certificate);
+///
+/// Tubes in a box that repeats have one period of their cells in a file, which cuts faces and edges: pairs
+/// with these have one area between them, and those of a tube and a ball the same vertices. Pairs of tubes
+/// have vertices that are the same after periods of either, and these are not compared.
+void certify_pairs(const StoredDiagram& diagram, const NearBalls& balls, const NearOthers& others,
+                   double rounding, Certificate& certificate);
 
 }  // namespace vcell::check

@@ -11,8 +11,7 @@ namespace vcell::check {
 
 namespace {
 
-// Images beyond these are too many to be looked at, or to be counted.
-constexpr double most_images = 0x1p20, most_edges = 0x1p14;
+// Images beyond these are too many to be looked at.
 constexpr std::size_t most_found = 0x1p20;
 // Distances are computed with a few roundings: a ball too many costs time alone.
 constexpr double favour = 1 + 0x1p-40;
@@ -80,41 +79,9 @@ void NearBalls::in_cubes(const Vec3& p, double far, const Visit& visit) const {
                     for (const std::uint32_t i : at->second) visit(balls_[i]);
 }
 
-// Calls visit(image) for all in which a ball's centre may be no farther from p than that; false where these
-// are too many. The edges (x, 0, 0), (xy, y, 0) and (xz, yz, z) are counted one after the other, the last one
-// first.
-template <class Visit>
-bool NearBalls::for_images(const Vec3& p, double far, const Visit& visit) const {
-    const auto range = [&](int axis, const Interval& by) -> std::optional<std::array<int, 2>> {
-        const auto k = static_cast<std::size_t>(axis);
-        if (!scene_.periodic[k]) return std::array{0, 0};
-        const Interval from = Interval(p[axis]) - Interval(low_[axis], high_[axis]) + Interval(-far, far),
-                       n = (from - by) / Interval(size_[k]);
-        if (!(n.lower() > -most_edges && n.upper() < most_edges)) return std::nullopt;
-        return std::array{static_cast<int>(std::ceil(n.lower())), static_cast<int>(std::floor(n.upper()))};
-    };
-    const auto times = [](int n, double x) { return Interval(n) * Interval(x); };
-    const auto& [xy, xz, yz] = scene_.tilt;
-    double count = 0;
-    const auto zs = range(2, Interval(0.0));
-    if (!zs) return false;
-    for (int c = (*zs)[0]; c <= (*zs)[1]; ++c) {
-        const auto ys = range(1, times(c, yz));
-        if (!ys) return false;
-        for (int b = (*ys)[0]; b <= (*ys)[1]; ++b) {
-            const auto xs = range(0, times(b, xy) + times(c, xz));
-            if (!xs || (count += std::max(0, (*xs)[1] - (*xs)[0] + 1)) > most_images) return false;
-            for (int a = (*xs)[0]; a <= (*xs)[1]; ++a)
-                visit(ImageIndex{static_cast<std::int16_t>(a), static_cast<std::int16_t>(b),
-                                 static_cast<std::int16_t>(c)});
-        }
-    }
-    return true;
-}
-
-NearBalls::Search NearBalls::search(std::uint32_t i, double reach) const {
-    const auto& self = std::get<Sphere>(scene_.objects[i]);
+NearBalls::Search NearBalls::search(const Sphere& self, std::uint32_t i, double reach) const {
     Search result;
+    if (balls_.empty()) return result;
     bool is_exact = true;
     const auto look_at = [&](const Ball& b, const ImageIndex& image, const Vec3& by, double slack) {
         if (b.number == i && image == ImageIndex{}) return;
@@ -128,7 +95,7 @@ NearBalls::Search NearBalls::search(std::uint32_t i, double reach) const {
     if (!repeats()) {
         in_cubes(self.center, far, [&](const Ball& b) { look_at(b, {}, Vec3::Zero(), 0); });
     } else {
-        const bool is_all = for_images(self.center, far, [&](const ImageIndex& image) {
+        const bool is_all = for_images({low_, high_}, self.center, far, [&](const ImageIndex& image) {
             if (result.found.size() > most_found) return;
             const Vec3 by = shift(image);
             // Sums of four numbers of the size of the coordinates and the edges.

@@ -275,10 +275,15 @@ void write_cell(std::ostream& out, const Cell& cell, unsigned threads) {
 }
 
 void write_cell_of_diagram(JsonWriter& out, std::uint32_t object, std::optional<bool> side,
-                           const Cell& cell) {
+                           std::optional<Box> box, const Cell& cell) {
     out.object([&] {
         out.key("object").value(object);
         if (side) out.key("side").value(std::string(*side ? "+" : "-"));
+        if (box)
+            out.key("box").object([&] {
+                out.key("min").value(box->min);
+                out.key("max").value(box->max);
+            });
         if (cell.is_complete) out.key("complete").value(true);
         write_elements(out, cell, cell.scene.images, nullptr, 1);
     });

@@ -47,6 +47,7 @@ public:
                                           in_.fail(Kind::OutOfRange, "must be \"+\" or \"-\"");
                                       result.side = side == "+";
                                   }),
+                  optional_member("box", [&] { result.box = read_box(in_); }),
                   optional_member("complete", [&] { cell_.is_complete = in_.boolean(); }));
         sort_images();
         result.cell = std::move(cell_);

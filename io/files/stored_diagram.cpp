@@ -76,7 +76,11 @@ void require_images(const StoredDiagram& diagram) {
 }  // namespace
 
 DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene)
-    : out_(out), writer_(out), objects_(scene.objects), is_added_(scene.objects.size(), false) {
+    : out_(out),
+      writer_(out),
+      objects_(scene.objects),
+      repeats_(scene.is_periodic()),
+      is_added_(scene.objects.size(), false) {
     whole::validate_diagram(scene);
     DiagramScene decided = scene;
     const double moved = whole::snap_to_grid(decided);
@@ -91,7 +95,9 @@ void DiagramWriter::add(std::uint32_t object, const Cell& cell) {
     is_added_[object] = true;
     std::optional<bool> side;
     if (std::holds_alternative<Plane>(objects_[object])) side = cell.scene.base == objects_[object];
-    write_cell_of_diagram(writer_, object, side, cell);
+    std::optional<Box> box;
+    if (repeats_ && std::holds_alternative<Cylinder>(objects_[object])) box = cell.scene.box;
+    write_cell_of_diagram(writer_, object, side, box, cell);
 }
 
 void DiagramWriter::finish(const VoronoiDiagram& diagram) {
@@ -119,6 +125,7 @@ void DiagramWriter::finish(const VoronoiDiagram& diagram) {
 std::optional<StoredDiagram> parse_diagram(std::string_view text) {
     StoredDiagram diagram;
     std::vector<std::optional<bool>> sides;
+    std::vector<std::optional<Box>> boxes;
     bool is_diagram = false;
     JsonReader in(text);
     try {
@@ -142,6 +149,7 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
                                 "must be of a later object than the cell before, or on a plane's other side");
                         diagram.cells.emplace_back(read.object, std::move(read.cell));
                         sides.push_back(read.side);
+                        boxes.push_back(read.box);
                     });
                 }),
             optional_member("lacking", [&] {
@@ -177,6 +185,9 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
         const Object& whose = diagram.scene.objects[object];
         if (std::holds_alternative<Plane>(whose) != sides[i].has_value())
             fail("has a cell of a plane without its side, or one with a side of what is none");
+        if (boxes[i] && !(diagram.scene.is_periodic() && std::holds_alternative<Cylinder>(whose)))
+            fail("has a box of what is no tube in a box that repeats");
+        cell.scene.box = boxes[i].value_or(diagram.scene.box);
         cell.scene.base = base_of(whose, sides[i]);
         cell.scene.probe = diagram.scene.probe;
     }

@@ -28,6 +28,7 @@ private:
     std::ostream& out_;
     JsonWriter writer_;
     std::vector<Object> objects_;
+    bool repeats_;
     std::vector<bool> is_added_;
 };
 
