@@ -9,6 +9,7 @@
 #include <ostream>
 #include <utility>
 
+#include "../../envelope/whole/own_periods.hpp"
 #include "../files/text.hpp"
 #include "obj.hpp"
 #include "site_style.hpp"
@@ -57,8 +58,33 @@ void DiagramObj::write_mtl(std::ostream& out) {
 // ---- SVG --------------------------------------------------------------------------------------------
 
 void DiagramCut::add(std::uint32_t object, const Cell& cell, const CellMesh& mesh) {
-    const std::size_t colour = colours_.add(object, cell);
-    const auto is_above = [&](std::uint32_t p) { return mesh.points[p][axis_] >= at_; };
+    Section section{object, colours_.add(object, cell), {}};
+    // Of a tube that closes on itself there is one period, which meets the plane wherever its images do.
+    const Vec3 period = period_of(cell);
+    double low = at_, high = at_;
+    for (const Vec3& p : mesh.points) {
+        low = std::min(low, p[axis_]);
+        high = std::max(high, p[axis_]);
+    }
+    const double step = std::abs(period[axis_]);
+    const int before = step > 0 ? static_cast<int>((at_ - low) / step) : 0,
+              after = step > 0 ? static_cast<int>((high - at_) / step) : 0;
+    for (int k = -before; k <= after; ++k) {
+        const Vec3 by = (period[axis_] < 0 ? -k : k) * period;
+        add_section(mesh, at_ + by[axis_], -by, section);
+    }
+    if (!section.polygons.empty()) sections_.push_back(std::move(section));
+}
+
+Vec3 DiagramCut::period_of(const Cell& cell) const {
+    const auto* tube = std::get_if<Cylinder>(&cell.scene.base);
+    if (tube == nullptr || !scene_.is_periodic()) return Vec3::Zero();
+    const auto periods = whole::own_periods(whole::Lattice(scene_), *tube);
+    return periods && !periods->empty() ? tube->axis : Vec3(Vec3::Zero());
+}
+
+void DiagramCut::add_section(const CellMesh& mesh, double at, const Vec3& by, Section& section) const {
+    const auto is_above = [&](std::uint32_t p) { return mesh.points[p][axis_] >= at; };
     // On its way around a triangle the boundary comes down through the plane on one side and up on another
     // one: which is where it comes down in the triangle next to it.
     using Side = std::pair<std::uint32_t, std::uint32_t>;
@@ -76,15 +102,14 @@ void DiagramCut::add(std::uint32_t object, const Cell& cell, const CellMesh& mes
     }
     std::ranges::sort(steps);
     std::vector<bool> is_used(steps.size(), false);
-    Section section{object, colour, {}};
     for (std::size_t first = 0; first < steps.size(); ++first) {
         Polygon polygon;
         for (std::size_t i = first; !is_used[i];) {
             is_used[i] = true;
             const auto [a, b] = steps[i].first;
             const Vec3 &p = mesh.points[a], &q = mesh.points[b];
-            const double part = (at_ - p[axis_]) / (q[axis_] - p[axis_]);
-            polygon.push_back(in_picture(p + part * (q - p)));
+            const double part = (at - p[axis_]) / (q[axis_] - p[axis_]);
+            polygon.push_back(in_picture(p + part * (q - p) + by));
             const auto next =
                 std::ranges::lower_bound(steps, steps[i].second, {}, &std::pair<Side, Side>::first);
             if (next == steps.end() || next->first != steps[i].second) break;
@@ -92,7 +117,6 @@ void DiagramCut::add(std::uint32_t object, const Cell& cell, const CellMesh& mes
         }
         if (polygon.size() > 2) section.polygons.push_back(std::move(polygon));
     }
-    if (!section.polygons.empty()) sections_.push_back(std::move(section));
 }
 
 // Twice the area of the largest polygon, and its centre.

@@ -45,8 +45,9 @@ private:
 
 /// An SVG picture of the cells in a plane across an axis of the world, within the meshes' chord, with the
 /// outlines of the balls that it cuts. Seen against the axis: of z with x to the right and y upwards, and so
-/// on cyclically. A cell is a path of class "cell" with the object's name as tooltip, and as text where there
-/// is room.
+/// on cyclically. Where the box repeats cells are where their balls are, and tubes that close on themselves
+/// are cut wherever an image of their period is. A cell is a path of class "cell" with the object's name as
+/// tooltip, and as text where there is room.
 class DiagramCut {
 public:
     /// Across axis 0, 1 or 2 at that coordinate.
@@ -65,6 +66,10 @@ private:
         std::vector<Polygon> polygons;
     };
 
+    /// Zero, or after what the cell's tube closes on itself.
+    Vec3 period_of(const Cell& cell) const;
+    /// What the mesh has at a coordinate, moved.
+    void add_section(const CellMesh& mesh, double at, const Vec3& by, Section& section) const;
     Vec2 in_picture(const Vec3& p) const { return {p[(axis_ + 1) % 3], p[(axis_ + 2) % 3]}; }
 
     const DiagramScene& scene_;

@@ -348,7 +348,9 @@ void DiagramPage::add(std::uint32_t object, const Cell& cell, const CellMesh& me
     const auto title = [&](Site s) {
         if (!s.is_object()) return site_title(cell.scene, s);
         if (!scene_.is_periodic()) return named(fmt::format("object {}", s.index), scene_.names, s.index);
-        const Vec3 c = std::get<Sphere>(cell.scene.objects[s.index]).center;
+        const auto* ball = std::get_if<Sphere>(&cell.scene.objects[s.index]);
+        if (ball == nullptr) return object_title(cell.scene, s.index);
+        const Vec3& c = ball->center;
         return named(fmt::format("the ball at ({:.4g}, {:.4g}, {:.4g})", c.x(), c.y(), c.z()),
                      cell.scene.names, s.index);
     };
