@@ -1,0 +1,175 @@
+// certify() on diagrams with tubes, planes and pipes in boxes that repeat, and pictures of them.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../../io/pictures/diagram_output.hpp"
+#include "../../io/pictures/diagram_pictures.hpp"
+#include "../../io/pictures/mesh.hpp"
+#include "../test_support.hpp"
+#include "stored_diagrams.hpp"
+
+using namespace vcell;
+
+namespace {
+
+DiagramScene box_of_two(const std::array<bool, 3>& periodic = {true, true, true}) {
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Constant(2)};
+    scene.periodic = periodic;
+    return scene;
+}
+
+DiagramScene rods() {
+    DiagramScene scene = box_of_two();
+    scene.objects = {Cylinder{{0, 1, 0}, {1, 0, 0}, 0.25}, Cylinder{{0, 0, 1}, {0, 1, 0}, 0.25},
+                     Cylinder{{1, 0, 0}, {0, 0, 1}, 0.25}};
+    return scene;
+}
+
+DiagramScene tube_and_balls() {
+    DiagramScene scene = box_of_two();
+    scene.objects = {Sphere{{0.25, 0.5, 0.25}, 0.25}, Sphere{{1.5, 1.25, 1}, 0.125},
+                     Cylinder{{1, 0, 1.5}, {1, 1, 0}, 0.125}};
+    return scene;
+}
+
+Cell& cell_of(StoredDiagram& diagram, std::uint32_t object) {
+    return std::ranges::find(diagram.cells, object, &std::pair<std::uint32_t, Cell>::first)->second;
+}
+
+}  // namespace
+
+TEST_CASE("check of repeating tubes: random ones among balls are proved, in any box") {
+    std::mt19937_64 rng(test_seed());
+    std::uniform_real_distribution<double> unit(0, 1);
+    DiagramScene box = box_of_two();
+    SUBCASE("along all axes") {}
+    SUBCASE("leaning") { box.tilt = {0.5, -0.25, 0.75}; }
+    SUBCASE("along one axis") { box.periodic = {false, true, false}; }
+    SUBCASE("along two axes, and a tube leaves it") { box.periodic = {true, false, true}; }
+    const std::vector<Vec3> ways =
+        box.periodic[0] ? std::vector<Vec3>{{1, 0, 0}, {1, 0, -1}, {0, 0, 1}} : std::vector<Vec3>{{0, 1, 0}};
+    std::size_t open = 0, all = 0;
+    for (int round = 0; round < rounds(); ++round) {
+        DiagramScene scene = box;
+        for (int i = 0; i < 3; ++i)
+            scene.objects.emplace_back(Sphere{2 * Vec3(unit(rng), unit(rng), unit(rng)), 0.2 * unit(rng)});
+        for (std::size_t i = 0; i < 2; ++i) {
+            Vec3 axis = scene.edges() * ways[(static_cast<std::size_t>(round) + i) % ways.size()];
+            if (i == 0 && box.periodic[0] && !box.periodic[1]) axis.y() = 3;
+            scene.objects.emplace_back(
+                Cylinder{2 * Vec3(unit(rng), unit(rng), unit(rng)), axis, 0.1 * unit(rng)});
+        }
+        const Certificate certificate = certify(stored(scene, true));
+        all += certificate.elements.size();
+        for (const Element& e : certificate.elements) {
+            if (e.verdict == Verdict::proved) continue;
+            CAPTURE(round);
+            CAPTURE(e.where);
+            CAPTURE(e.what);
+            // Where digits do not do, slabs of a part are wider.
+            CHECK(e.verdict == Verdict::open);
+            CHECK(!e.where.ends_with("box"));
+            ++open;
+        }
+    }
+    CHECK(all > 100);
+    CHECK(static_cast<double>(open) <= 1 + 0.005 * static_cast<double>(all));
+}
+
+TEST_CASE("check of repeating tubes: packings of small integers, a slit and a pipe") {
+    DiagramScene scene;
+    SUBCASE("rods along three axes") { scene = rods(); }
+    SUBCASE("plies across each other") {
+        scene = box_of_two();
+        scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.125}, Cylinder{{0, 0, 1}, {0, 1, 0}, 0.125}};
+    }
+    SUBCASE("a tube along a diagonal, and balls") { scene = tube_and_balls(); }
+    SUBCASE("a slit between planes") {
+        scene = box_of_two({true, true, false});
+        scene.objects = {Plane{{0, 0, 0.25}, {0, 0, 1}}, Plane{{0, 0, 1.75}, {0, 0, 1}},
+                         Sphere{{1, 0.5, 1}, 0.25}, Cylinder{{0, 1.5, 1}, {1, 0, 0}, 0.125}};
+    }
+    SUBCASE("a pipe") {
+        scene = box_of_two({false, false, true});
+        scene.objects = {HollowCylinder{{1, 1, 0}, {0, 0, 1}, 0.9375},
+                         Cylinder{{1, 1.25, 0}, {0, 0, 2}, 0.25}, Sphere{{1, 0.5, 0.5}, 0.25}};
+    }
+    check_proved(certify(stored(scene, true)));
+}
+
+TEST_CASE("check of repeating tubes: damaged files are not proved") {
+    const StoredDiagram whole = stored(tube_and_balls(), true);
+    REQUIRE(whole.cells.size() == 3);
+    check_proved(certify(whole));
+
+    StoredDiagram damaged = whole;
+    Box& box = cell_of(damaged, 2).scene.box;
+    SUBCASE("a period is too long") {
+        box.max.x() += 0.0625;
+        CHECK(has_verdict(certify(damaged), "cells[2].box", Verdict::open));
+    }
+    SUBCASE("a box does not hold where the cell goes on") {
+        box.max.y() = 0.5 * (box.min.y() + box.max.y());
+        CHECK(!certify(damaged).holds());
+    }
+    SUBCASE("the tube is thicker") {
+        std::get<Cylinder>(damaged.scene.objects[2]).radius *= 1.001;
+        std::get<Cylinder>(cell_of(damaged, 2).scene.base).radius *= 1.001;
+        const Certificate certificate = certify(damaged);
+        CHECK(certificate.count(Verdict::refuted) > 0);
+    }
+    SUBCASE("a ball sees another image of the tube") {
+        Cell& cell = cell_of(damaged, 0);
+        const auto site = std::ranges::find(cell.scene.images, 2U, &ObjectImage::number);
+        REQUIRE(site != cell.scene.images.end());
+        site->image[2] = static_cast<std::int16_t>(site->image[2] + 1);
+        std::ranges::sort(cell.scene.images);
+        CHECK(certify(damaged).count(Verdict::refuted) > 0);
+    }
+    SUBCASE("an image by a period is the same one") {
+        Cell& cell = cell_of(damaged, 0);
+        for (ObjectImage& image : cell.scene.images)
+            if (image.number == 2)
+                for (const std::size_t k : {0U, 1U})
+                    image.image[k] = static_cast<std::int16_t>(image.image[k] + 3);
+        check_proved(certify(damaged));
+    }
+    SUBCASE("a face of the tube is gone from its area") {
+        cell_of(damaged, 2).faces[0].area *= 0.999;
+        CHECK(certify(damaged).count(Verdict::refuted) > 0);
+    }
+    SUBCASE("the ball's cell is not there") {
+        std::erase_if(damaged.cells, [](const auto& c) { return c.first == 0; });
+        CHECK(!certify(damaged).holds());
+    }
+}
+
+TEST_CASE("repeating tubes: meshes are closed, and a cut shows each image of a period") {
+    const DiagramScene scene = rods();
+    DiagramCut cut(scene, 2, 0.25);  // the third rod's period is from 49/64 on
+    DiagramOptions options;
+    options.complete = true;
+    double volume = 0;
+    options.visit = [&](std::uint32_t object, const Cell& cell) {
+        const CellMesh mesh = tessellate(cell);
+        for (const Triangle& t : mesh.triangles)
+            volume += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]])) / 6;
+        cut.add(object, cell, mesh);
+    };
+    voronoi_diagram(scene, options);
+    CHECK(std::abs(volume - 8) < 0.05);
+    std::ostringstream out;
+    cut.write(out);
+    for (const char* object : {"data-object=\"0\"", "data-object=\"1\"", "data-object=\"2\""})
+        CHECK(out.str().find(object) != std::string::npos);
+}
