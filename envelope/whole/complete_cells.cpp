@@ -113,7 +113,13 @@ void add_images(const DecidedDiagram& decided, std::uint32_t object, Scene& scen
     const double most = scene.probe.value_or(infinity);
     const auto* tube = std::get_if<Cylinder>(&scene.base);
     if (tube == nullptr) {
-        // What is nearest to a plane in the box is within its diagonal.
+        // What is nearest to a plane in the box is within its diagonal. Scenes may have corners on the sides.
+        for (int k = 0; k < 3; ++k) {
+            if (!decided.lattice().repeats(k)) continue;
+            const double step = part_before_cut * (scene.box.max[k] - scene.box.min[k]);
+            scene.box.min[k] += step;
+            scene.box.max[k] += step;
+        }
         NearImages(decided, object, scene.box, std::min(scene.box.diagonal(), most)).put_into(scene, nullptr);
         return;
     }

@@ -69,9 +69,7 @@ TubeRoom tube_room(const Lattice& lattice, const Box& box, const Cylinder& tube,
     const Vec3 step = along / along[across];
     double begin = box.min[across], end = box.max[across];
     if (closes) {
-        // A part of the period at which scenes of small integers have no corners, and of few digits.
-        constexpr double part = 49.0 / 128;
-        const double first = tube.point[across] + part * along[across];
+        const double first = tube.point[across] + part_before_cut * along[across];
         begin = std::min(first, first + along[across]);
         end = std::max(first, first + along[across]);
     }

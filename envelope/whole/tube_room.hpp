@@ -18,6 +18,10 @@
 
 namespace vcell::whole {
 
+/// Cuts are so far behind a tube's point, as a part of its period, and behind the box's lower sides of cells
+/// of planes: where scenes of small integers have no corners, and with few digits.
+constexpr double part_before_cut = 49.0 / 128;
+
 struct TubeRoom {
     /// Holds the cell, or one period of it. The cell may come to the sides that do not repeat, and to those
     /// of the cut; the others are out of sight.

@@ -232,8 +232,8 @@ private:
         if (side)
             certificate.refute("faces",
                                fmt::format("end at {}, along which the box repeats", to_string(*side)));
-        if (tube != nullptr && diagram_.scene.is_periodic()) {
-            const std::string lack = near_.lack_of_room(stored.scene.box, *tube, object, stored.edges);
+        if (!is_ball(object) && diagram_.scene.is_periodic()) {
+            const std::string lack = near_.lack_of_room(stored.scene.box, object, stored.edges);
             if (!lack.empty()) certificate.leave_open("box", lack, HUGE_VAL);
         }
         const Measures& m = stored.measures;

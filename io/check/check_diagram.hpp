@@ -35,8 +35,8 @@ struct StoredDiagram {
     double moved = 0;
     /// By object, ascending; of a plane first that on the side of its normal, if it has both. Sites of
     /// elements are places in `images` of the cells' scenes, which have nothing else but the object as
-    /// `base`, a plane turned to the side of its cell, the probe, and the box: of a tube in one that repeats
-    /// what its cell is computed in, and otherwise the diagram's.
+    /// `base`, a plane turned to the side of its cell, the probe, and the box: of tubes and planes in one
+    /// that repeats what their cells are computed in, and otherwise the diagram's.
     std::vector<std::pair<std::uint32_t, Cell>> cells;
     /// Objects whose cells the file has not, or of planes not on both sides, and why; ascending.
     struct Lacking {

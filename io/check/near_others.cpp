@@ -126,7 +126,7 @@ std::optional<int> NearOthers::cut_of(const Cylinder& tube, std::uint32_t object
 std::string NearOthers::lack_of_period(const Box& box, int cut, const ImageIndex& period,
                                        const std::vector<CellEdge>& edges) const {
     const auto by = balls_.moved(Vec3::Zero(), period);
-    if (!by || Exact(box.max[cut]) - Exact(box.min[cut]) != Exact(std::abs((*by)[cut])))
+    if (!by || (Exact(box.max[cut]) - Exact(box.min[cut]) - Exact(std::abs((*by)[cut]))).sign() != Sign::Zero)
         return "the cell's box is not as wide as the tube's period";
     const double sign = (*by)[cut] > 0 ? 1 : -1;
     for (const CellEdge& e : edges)
@@ -180,15 +180,22 @@ Box NearOthers::room(const Cylinder& tube) const {
     return box;
 }
 
-std::string NearOthers::lack_of_room(const Box& box, const Cylinder& tube, std::uint32_t object,
+std::string NearOthers::lack_of_room(const Box& box, std::uint32_t object,
                                      const std::vector<CellEdge>& edges) const {
-    for (int k = 0; k < 3; ++k)
-        if (!scene_.periodic[static_cast<std::size_t>(k)] &&
-            (box.min[k] != scene_.box.min[k] || box.max[k] != scene_.box.max[k]))
+    const auto* tube = std::get_if<Cylinder>(&scene_.objects[object]);
+    const auto width = [](const Box& of, int k) { return Exact(of.max[k]) - Exact(of.min[k]); };
+    for (int k = 0; k < 3; ++k) {
+        if (scene_.periodic[static_cast<std::size_t>(k)]) {
+            if (tube == nullptr && (width(box, k) - width(scene_.box, k)).sign() != Sign::Zero)
+                return "the cell's box is not as wide as the scene's";
+        } else if (box.min[k] != scene_.box.min[k] || box.max[k] != scene_.box.max[k]) {
             return "the cell's box has other sides than the scene's, which does not repeat there";
-    if (const std::optional<int> cut = cut_of(tube, object))
+        }
+    }
+    if (tube == nullptr) return {};
+    if (const std::optional<int> cut = cut_of(*tube, object))
         return lack_of_period(box, *cut, periods_[object].front(), edges);
-    const Box least = room(tube);
+    const Box least = room(*tube);
     if ((box.min.array() > least.min.array()).any() || (box.max.array() < least.max.array()).any())
         return "the cell may be larger than its box";
     return {};

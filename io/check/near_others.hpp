@@ -43,10 +43,10 @@ public:
     /// The axis of the box across which the cell of a tube is cut to one period: that which its axis has the
     /// most way along. None: the tube does not close on itself.
     std::optional<int> cut_of(const Cylinder& tube, std::uint32_t object) const;
-    /// Why the box does not hold all of a tube's cell, or one period of it; empty: it does. `edges`: those of
-    /// the cell in that box, whose sides along which the scene repeats, but for the cut, it does not come to.
-    std::string lack_of_room(const Box& box, const Cylinder& tube, std::uint32_t object,
-                             const std::vector<CellEdge>& edges) const;
+    /// Why the box does not hold all of the cell of a tube or a plane, or one period of it; empty: it does.
+    /// `edges`: those of the cell in that box, whose sides along which the scene repeats, but for the cut, it
+    /// does not come to.
+    std::string lack_of_room(const Box& box, std::uint32_t object, const std::vector<CellEdge>& edges) const;
 
 private:
     bool repeats() const { return scene_.periodic[0] || scene_.periodic[1] || scene_.periodic[2]; }

@@ -13,7 +13,7 @@ namespace vcell {
 struct CellOfDiagram {
     std::uint32_t object = 0;
     std::optional<bool> side;  ///< of a plane: does the cell lie where its normal points?
-    std::optional<Box> box;    ///< of a tube in a box that repeats: what its cell lies in, one period of it
+    std::optional<Box> box;    ///< of no ball, in a box that repeats: what its cell lies in, one period of it
     Cell cell;
 };
 /// The cell of an object of a diagram, without its scene, which is the diagram's.

@@ -96,7 +96,7 @@ void DiagramWriter::add(std::uint32_t object, const Cell& cell) {
     std::optional<bool> side;
     if (std::holds_alternative<Plane>(objects_[object])) side = cell.scene.base == objects_[object];
     std::optional<Box> box;
-    if (repeats_ && std::holds_alternative<Cylinder>(objects_[object])) box = cell.scene.box;
+    if (repeats_ && !std::holds_alternative<Sphere>(objects_[object])) box = cell.scene.box;
     write_cell_of_diagram(writer_, object, side, box, cell);
 }
 
@@ -185,8 +185,8 @@ std::optional<StoredDiagram> parse_diagram(std::string_view text) {
         const Object& whose = diagram.scene.objects[object];
         if (std::holds_alternative<Plane>(whose) != sides[i].has_value())
             fail("has a cell of a plane without its side, or one with a side of what is none");
-        if (boxes[i] && !(diagram.scene.is_periodic() && std::holds_alternative<Cylinder>(whose)))
-            fail("has a box of what is no tube in a box that repeats");
+        if (boxes[i] && (!diagram.scene.is_periodic() || std::holds_alternative<Sphere>(whose)))
+            fail("has a box of a ball, or of what is in a box that does not repeat");
         cell.scene.box = boxes[i].value_or(diagram.scene.box);
         cell.scene.base = base_of(whose, sides[i]);
         cell.scene.probe = diagram.scene.probe;

@@ -161,7 +161,9 @@ TEST_CASE("repeating tubes: meshes are closed, and a cut shows each image of a p
     options.complete = true;
     double volume = 0;
     options.visit = [&](std::uint32_t object, const Cell& cell) {
-        const CellMesh mesh = tessellate(cell);
+        MeshOptions solid;
+        solid.closed = true;
+        const CellMesh mesh = tessellate(cell, solid);
         for (const Triangle& t : mesh.triangles)
             volume += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]])) / 6;
         cut.add(object, cell, mesh);
