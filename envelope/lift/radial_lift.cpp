@@ -55,6 +55,7 @@ public:
 
     void finish(Cell& cell) {
         EdgeLift::finish(cell);
+        for (const RadialBaseProblem::CommonTie& tie : of_.problem.common_ties) add_common_tie(tie, cell);
         if (of_.problem.generator_ties.empty()) return;
         for (const EdgeId e : of_.diagram.edges.ids())
             if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);
@@ -62,6 +63,22 @@ public:
     }
 
 private:
+    void add_common_tie(const RadialBaseProblem::CommonTie& tie, Cell& cell) const {
+        const auto add = [&](auto& sites) {
+            sites.push_back(tie.site);
+            sort_unique(sites);
+        };
+        for (const EdgeId e : of_.diagram.edges.ids())
+            if (std::minmax(of_.diagram.edges[e].left, of_.diagram.edges[e].right) ==
+                std::minmax(tie.first, tie.second))
+                add(cell.edges[e.value].extra_sites);
+        for (const VertexId v : of_.diagram.vertices.ids()) {
+            const auto label = of_.diagram.label(v);
+            const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
+            if (has(tie.first) && has(tie.second)) add(cell.vertices[v.value].sites);
+        }
+    }
+
     // Two forms change places over one generator as the angle grows, and back over the other they have in
     // common.
     void add_generator_ties(EdgeId e, Cell& cell) {

@@ -16,6 +16,7 @@
 #include "../objects/message.hpp"
 #include "cylinder_forms.hpp"
 #include "given_axis.hpp"
+#include "mirror_ties.hpp"
 #include "radial_objects.hpp"
 
 namespace vcell {
@@ -100,16 +101,32 @@ double drop_middle(const std::vector<WallTie>& ties, std::vector<Entry>& entries
     return gives_way;
 }
 
+// Ties of what lies behind a mirror of the base (find_mirror_ties()), which is left out.
+std::vector<WallTie> drop_mirrored(const Scene& scene, const Cylinder& base, double most,
+                                   std::vector<Entry>& entries, double& gives_way) {
+    std::vector<const Object*> objects;
+    for (const Entry& e : entries) {
+        const Site own = e.sites.front();
+        const bool takes_part = e.is_kept && !e.is_of_floor && own.is_object();
+        objects.push_back(takes_part ? &scene.objects[scene.place(own.index)] : nullptr);
+    }
+    std::vector<WallTie> ties;
+    for (const MirrorTie& tie : find_mirror_ties(base, objects, most)) {
+        entries[tie.hidden].is_kept = false;
+        gives_way = std::max(gives_way, tie.move);
+        ties.push_back({tie.hidden, tie.mirrored, tie.mirror, tie.move});
+    }
+    return ties;
+}
+
 // Pre: what is kept has its number.
 void add_ties(const std::vector<WallTie>& ties, const std::vector<Entry>& entries,
-              RadialBaseProblem& problem) {
+              const RadialObjects& objects, std::size_t count, RadialBaseProblem& problem) {
     for (const WallTie& tie : ties) {
         const Entry &first = entries[tie.first], &second = entries[tie.second];
         if (!first.is_kept || !second.is_kept || entries[tie.middle].is_kept) continue;
-        for (const Site site : entries[tie.middle].sites) {
-            problem.generator_ties.push_back({site, first.id, second.id, true});
-            problem.generator_ties.push_back({site, second.id, first.id, true});
-        }
+        for (const Site site : with_equal_ones(entries[tie.middle].sites, objects, count))
+            problem.common_ties.push_back({site, first.id, second.id});
     }
 }
 
@@ -140,6 +157,8 @@ private:
     static constexpr const char* contains_section = "contains a cross section of the base";
     // In box diagonals, some times the rounding of coordinates.
     static constexpr double tie_rounding = 0x1p-50;
+    // Places in a box that repeats were moved to a grid (voronoi_diagram.hpp).
+    static constexpr double grid_rounding = 0x1p-42;
 
     Side side(std::uint32_t s) const {
         const WorldSide side(walls_, s);
@@ -443,9 +462,12 @@ private:
             if (tie.move <= most_rounded) rounded = std::max(rounded, tie.move);
         }
         // Walls are half-way between directions that are rounded themselves.
-        const std::vector<WallTie> ties_of_walls =
-            wall_ties(entries, 2 * reach(), tie_rounding * scene_.box.diagonal());
-        const double gives_way = drop_middle(ties_of_walls, entries);
+        const double most_of_walls =
+            (scene_.images.empty() ? tie_rounding : grid_rounding) * scene_.box.diagonal();
+        const std::vector<WallTie> ties_of_walls = wall_ties(entries, 2 * reach(), most_of_walls);
+        double gives_way = drop_middle(ties_of_walls, entries);
+        const std::vector<WallTie> of_mirrors =
+            drop_mirrored(scene_, base_, most_of_walls, entries, gives_way);
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
@@ -469,7 +491,8 @@ private:
                  with_equal_ones(entries[tie.middle].sites, objects_, scene_.objects.size()))
                 problem.generator_ties.push_back(
                     {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
-        add_ties(ties_of_walls, entries, problem);
+        add_ties(ties_of_walls, entries, objects_, scene_.objects.size(), problem);
+        add_ties(of_mirrors, entries, objects_, scene_.objects.size(), problem);
         found.add_twins(objects_);
         if (problem.floor.empty()) add_passing_ties(found.sites, problem);
         problem.frame = motion_;

@@ -68,6 +68,13 @@ struct RadialBaseProblem : BaseProblem {
         bool is_decided;       ///< exact, or in the scene as it was moved; otherwise up to narrow_tie
     };
     std::vector<GeneratorTie> generator_ties;
+    /// A site that is as near as two forms wherever both are as near as the base, and nowhere nearer than both
+    /// of them (wall_ties.hpp, mirror_ties.hpp). It has no form.
+    struct CommonTie {
+        Site site;
+        FormId first, second;
+    };
+    std::vector<CommonTie> common_ties;
     /// Of a part of a cylinder (CylinderPart): the sides of the box through which rays come in, forms as
     /// those of sides of what is beyond them (EnvelopeOptions::floor).
     std::vector<FormId> floor;

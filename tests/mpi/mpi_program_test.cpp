@@ -225,6 +225,21 @@ TEST_CASE("vcell-mpi: boxes that repeat, and lattices whose neighbours are equal
     check_same(work, "lattice.txt --box -1 -1 -1 6 6 5", {4});
 }
 
+TEST_CASE("vcell-mpi: tubes in a box that repeats are known everywhere, with images of balls") {
+    const Workplace work;
+    for (const std::string tilt : {"0, 0, 0", "0.5, -0.25, 0.5"}) {
+        work.write("scene.json", R"({"vcell": 1, "objects": [
+            {"sphere": {"center": [0.25, 0.5, 0.25], "radius": 0.25}},
+            {"sphere": {"center": [1.5, 1.25, 3.5], "radius": 0.125}},
+            {"cylinder": {"point": [1, 0, 1.5], "axis": [1, 0, 0], "radius": 0.125}},
+            {"sphere": {"center": [0.75, 1.5, 1.25], "radius": 0.25}},
+            {"cylinder": {"point": [0.5, 1, 1.875], "axis": [2, 0, 0], "radius": 0.0625}}],
+            "box": {"min": [0, 0, 0], "max": [2, 2, 2]}, "periodic": [true, true, true], "tilt": [)" +
+                                     tilt + "]}");
+        check_same(work, "scene.json", {1, 3, 8});
+    }
+}
+
 TEST_CASE("vcell-mpi: fewer balls than ranks, so that some own nothing") {
     const Workplace work;
     work.write("balls.txt", "0 0 0 0.5\n2 0 0 0.5 B\n0 2 0 0.25\n");
