@@ -93,6 +93,25 @@ TEST_CASE("check of repeating tubes: packings of small integers, a slit and a pi
         scene = box_of_two();
         scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.125}, Cylinder{{0, 0, 1}, {0, 1, 0}, 0.125}};
     }
+    SUBCASE("nets in layers, each the mirror image of the next") {
+        scene = box_of_two();
+        scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.125}, Cylinder{{0, 0, 0}, {0, 1, 0}, 0.125}};
+    }
+    SUBCASE("nets of decimal meshes") {
+        scene.box = {Vec3::Zero(), Vec3::Constant(0.6)};
+        scene.periodic = {true, true, true};
+        for (const double z : {0.1, 0.4})
+            for (const double at : {0.1, 0.3, 0.5}) {
+                scene.objects.emplace_back(Cylinder{{0, at, z}, {1, 0, 0}, 0.03});
+                scene.objects.emplace_back(Cylinder{{at, 0, z}, {0, 1, 0}, 0.03});
+            }
+    }
+    SUBCASE("nets with balls on their mirrors, and beside these") {
+        scene = box_of_two();
+        scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.125}, Cylinder{{0, 0, 0}, {0, 1, 0}, 0.125},
+                         Sphere{{1, 1, 1}, 0.25}, Sphere{{0.75, 1, 0.5}, 0.125},
+                         Sphere{{0.75, 1, 1.5}, 0.125}};
+    }
     SUBCASE("a tube along a diagonal, and balls") { scene = tube_and_balls(); }
     SUBCASE("a slit between planes") {
         scene = box_of_two({true, true, false});
