@@ -499,7 +499,7 @@ BodyVolume ball_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
 
 BodyVolume tube_in_cell(const DecidedDiagram& decided, std::uint32_t object) {
     const Scene scene = scenes_among_all(decided, object).front();
-    const auto& tube = std::get<Cylinder>(scene.base);
+    const auto& tube = std::get<Cylinder>(decided.scene().objects[object]);
     const Box& box = scene.box;
     BodyVolume body = tube_in_box(tube, box);
     const Vec3 axis = tube.axis.stableNormalized();

@@ -36,7 +36,7 @@ class NearImages {
 public:
     NearImages(const DecidedDiagram& decided, std::uint32_t object, const Box& box, double clearance)
         : decided_(decided),
-          base_(decided.scene().objects[object]),
+          whose_(decided.scene().objects[object]),
           box_(box),
           clearance_(clearance * (1 + 0x1p-40)) {
         struct Found {
@@ -82,7 +82,7 @@ public:
 
 private:
     bool may_come_near(const Object& object) const {
-        const auto* tube = std::get_if<Cylinder>(&base_);
+        const auto* tube = std::get_if<Cylinder>(&whose_);
         if (const auto* ball = std::get_if<Sphere>(&object))
             return distance_of(box_, ball->center) - ball->radius < clearance_ &&
                    (tube == nullptr || least_distance(*tube, *ball) < 2 * clearance_);
@@ -92,7 +92,7 @@ private:
     }
 
     const DecidedDiagram& decided_;
-    const Object& base_;
+    const Object& whose_;
     const Box box_;
     const double clearance_;
     std::vector<ObjectImage> places_;  // ascending
@@ -111,7 +111,7 @@ void add_all(const DecidedDiagram& decided, std::uint32_t object, Scene& scene) 
 
 void add_images(const DecidedDiagram& decided, std::uint32_t object, Scene& scene) {
     const double most = scene.probe.value_or(infinity);
-    const auto* tube = std::get_if<Cylinder>(&scene.base);
+    const auto* tube = std::get_if<Cylinder>(&decided.scene().objects[object]);
     if (tube == nullptr) {
         // What is nearest to a plane in the box is within its diagonal. Scenes may have corners on the sides.
         for (int k = 0; k < 3; ++k) {

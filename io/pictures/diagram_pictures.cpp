@@ -60,7 +60,7 @@ void DiagramObj::write_mtl(std::ostream& out) {
 void DiagramCut::add(std::uint32_t object, const Cell& cell, const CellMesh& mesh) {
     Section section{object, colours_.add(object, cell), {}};
     // Of a tube that closes on itself there is one period, which meets the plane wherever its images do.
-    const Vec3 period = period_of(cell);
+    const Vec3 period = period_of(object);
     double low = at_, high = at_;
     for (const Vec3& p : mesh.points) {
         low = std::min(low, p[axis_]);
@@ -76,11 +76,11 @@ void DiagramCut::add(std::uint32_t object, const Cell& cell, const CellMesh& mes
     if (!section.polygons.empty()) sections_.push_back(std::move(section));
 }
 
-Vec3 DiagramCut::period_of(const Cell& cell) const {
-    const auto* tube = std::get_if<Cylinder>(&cell.scene.base);
-    if (tube == nullptr || !scene_.is_periodic()) return Vec3::Zero();
-    const auto periods = whole::own_periods(whole::Lattice(scene_), *tube);
-    return periods && !periods->empty() ? tube->axis : Vec3(Vec3::Zero());
+Vec3 DiagramCut::period_of(std::uint32_t object) const {
+    if (!std::holds_alternative<Cylinder>(scene_.objects[object])) return Vec3::Zero();
+    const whole::Lattice lattice(scene_);
+    const auto periods = whole::own_periods(lattice, scene_.objects[object]);
+    return periods && !periods->empty() ? lattice.shift(periods->front()) : Vec3(Vec3::Zero());
 }
 
 void DiagramCut::add_section(const CellMesh& mesh, double at, const Vec3& by, Section& section) const {

@@ -66,8 +66,8 @@ private:
         std::vector<Polygon> polygons;
     };
 
-    /// Zero, or after what the cell's tube closes on itself.
-    Vec3 period_of(const Cell& cell) const;
+    /// Zero, or after what way a tube closes on itself.
+    Vec3 period_of(std::uint32_t object) const;
     /// What the mesh has at a coordinate, moved.
     void add_section(const CellMesh& mesh, double at, const Vec3& by, Section& section) const;
     Vec2 in_picture(const Vec3& p) const { return {p[(axis_ + 1) % 3], p[(axis_ + 2) % 3]}; }

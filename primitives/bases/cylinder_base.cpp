@@ -101,22 +101,23 @@ double drop_middle(const std::vector<WallTie>& ties, std::vector<Entry>& entries
     return gives_way;
 }
 
-// Ties of what lies behind a mirror of the base (find_mirror_ties()), which is left out.
-std::vector<WallTie> drop_mirrored(const Scene& scene, const Cylinder& base, double most,
-                                   std::vector<Entry>& entries, double& gives_way) {
+// Leaves out what lies behind a mirror of the base (find_mirror_ties()), adds how it ties, and returns how
+// far it gives way.
+double drop_mirrored(const Scene& scene, const Cylinder& base, double most, std::vector<Entry>& entries,
+                     std::vector<WallTie>& ties) {
+    double gives_way = 0;
     std::vector<const Object*> objects;
     for (const Entry& e : entries) {
         const Site own = e.sites.front();
         const bool takes_part = e.is_kept && !e.is_of_floor && own.is_object();
         objects.push_back(takes_part ? &scene.objects[scene.place(own.index)] : nullptr);
     }
-    std::vector<WallTie> ties;
     for (const MirrorTie& tie : find_mirror_ties(base, objects, most)) {
         entries[tie.hidden].is_kept = false;
         gives_way = std::max(gives_way, tie.move);
         ties.push_back({tie.hidden, tie.mirrored, tie.mirror, tie.move});
     }
-    return ties;
+    return gives_way;
 }
 
 // Pre: what is kept has its number.
@@ -464,10 +465,9 @@ private:
         // Walls are half-way between directions that are rounded themselves.
         const double most_of_walls =
             (scene_.images.empty() ? tie_rounding : grid_rounding) * scene_.box.diagonal();
-        const std::vector<WallTie> ties_of_walls = wall_ties(entries, 2 * reach(), most_of_walls);
+        std::vector<WallTie> ties_of_walls = wall_ties(entries, 2 * reach(), most_of_walls);
         double gives_way = drop_middle(ties_of_walls, entries);
-        const std::vector<WallTie> of_mirrors =
-            drop_mirrored(scene_, base_, most_of_walls, entries, gives_way);
+        gives_way += drop_mirrored(scene_, base_, most_of_walls, entries, ties_of_walls);
         for (Entry& e : entries) {
             if (!e.is_kept) continue;
             e.id = FormId{static_cast<std::uint32_t>(found.sites.size())};
@@ -492,7 +492,6 @@ private:
                 problem.generator_ties.push_back(
                     {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
         add_ties(ties_of_walls, entries, objects_, scene_.objects.size(), problem);
-        add_ties(of_mirrors, entries, objects_, scene_.objects.size(), problem);
         found.add_twins(objects_);
         if (problem.floor.empty()) add_passing_ties(found.sites, problem);
         problem.frame = motion_;

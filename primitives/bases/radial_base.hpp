@@ -68,8 +68,8 @@ struct RadialBaseProblem : BaseProblem {
         bool is_decided;       ///< exact, or in the scene as it was moved; otherwise up to narrow_tie
     };
     std::vector<GeneratorTie> generator_ties;
-    /// A site that is as near as two forms wherever both are as near as the base, and nowhere nearer than both
-    /// of them (wall_ties.hpp, mirror_ties.hpp). It has no form.
+    /// A site that is as near as two forms wherever both are as near as the base, and nowhere nearer than
+    /// both of them (wall_ties.hpp, mirror_ties.hpp). It has no form.
     struct CommonTie {
         Site site;
         FormId first, second;
