@@ -52,9 +52,10 @@ void take_cells(Ranks& ranks, const SceneParts& parts, std::vector<DiagramCell> 
 std::vector<ObjectImage> periods_of_others(const SceneParts& parts) {
     const whole::Lattice lattice(parts.frame);
     std::vector<ObjectImage> all;
-    for (const KnownObject& other : parts.others)
-        for (const whole::Image& period : *whole::own_periods(lattice, other.object))
-            all.push_back({other.number, period});
+    for (const KnownObject& other : parts.others) {
+        const auto periods = whole::own_periods(lattice, other.object);
+        for (const whole::Image& period : *periods) all.push_back({other.number, period});
+    }
     return all;
 }
 

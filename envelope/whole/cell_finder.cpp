@@ -79,7 +79,8 @@ void validate_diagram(const DiagramScene& scene) {
         if (std::holds_alternative<Cylinder>(object))
             throw InputError(
                 Kind::Unsupported, i, object_path(as_scene, i, "axis"),
-                "closes on itself after no few edges of the box that repeats, and its images crowd");
+                "is along no whole combination of edges of the box that repeats, at most 16 of each: the tube "
+                "does not close on itself");
         throw InputError(Kind::Unsupported, i, object_path(as_scene, i),
                          "is not where it was after an edge along which the box repeats");
     }

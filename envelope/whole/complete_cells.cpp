@@ -26,6 +26,16 @@ double distance_of_axes(const Cylinder& a, const Cylinder& b) {
     return sine > well_told ? std::abs(way.dot(normal)) / sine - rounding * size / well_told : 0;
 }
 
+// By so much along the axes that repeat.
+Box grown(const Lattice& lattice, Box box, double by) {
+    for (int k = 0; k < 3; ++k) {
+        if (!lattice.repeats(k)) continue;
+        box.min[k] -= by;
+        box.max[k] += by;
+    }
+    return box;
+}
+
 double distance_of(const Box& box, const Vec3& p) {
     return (p - p.cwiseMax(box.min).cwiseMin(box.max)).norm();
 }
@@ -63,9 +73,9 @@ public:
         }
     }
 
-    /// What they leave of the tube's cell over feet between these.
-    TubeBound bound(const Cylinder& tube, const std::array<Vec3, 2>& feet) const {
-        return {tube, feet, box_, objects_, decided_.scene().probe};
+    /// What they leave of the tube's cell in a box over feet between these.
+    TubeBound bound(const Cylinder& tube, const std::array<Vec3, 2>& feet, const Box& box) const {
+        return {tube, feet, box, objects_, decided_.scene().probe};
     }
 
     /// Those that may touch the bound.
@@ -129,11 +139,16 @@ void add_images(const DecidedDiagram& decided, std::uint32_t object, Scene& scen
     };
     const TubeRoom wide = room_within(infinity);
     const NearImages near(decided, object, wide.box, std::min(wide.clearance, most));
-    // One period tells how far all of the cell reaches. Of a cell that ends at sides which do not repeat it
-    // could not be told from the cell that it does not come back into the box beyond a narrower one.
-    const TubeRoom room = periods.empty() ? wide : room_within(near.bound(*tube, wide.axis).farthest());
+    // What has its feet in one period tells how far all of the cell reaches; where the tube leans it comes
+    // out of the planes of the cut. Of a cell that ends at sides which do not repeat it could not be told
+    // from the cell that it does not come back into the box beyond a narrower one.
+    TubeRoom room = wide;
+    if (!periods.empty()) {
+        const Box around = grown(decided.lattice(), wide.box, wide.clearance + tube->radius);
+        room = room_within(near.bound(*tube, wide.axis, around).farthest());
+    }
     scene.box = room.box;
-    const TubeBound bound = near.bound(*tube, room.feet);
+    const TubeBound bound = near.bound(*tube, room.feet, wide.box);
     near.put_into(scene, &bound);
 }
 

@@ -32,7 +32,8 @@ struct TubeRoom {
 };
 
 /// `box` is the one that repeats. Pre: own_periods() of the tube are these, and it is aligned to them; its
-/// point is on the grid; the box repeats; no point of the cell is farther from the axis than `farthest`.
+/// point is on the grid; the box repeats; no point of the cell is farther from the axis than `farthest`,
+/// which may be infinite.
 TubeRoom tube_room(const Lattice& lattice, const Box& box, const Cylinder& tube,
                    std::span<const Image> periods, double farthest);
 
