@@ -79,7 +79,7 @@ void check_filled(const DiagramScene& scene, const VoronoiDiagram& diagram) {
 
 }  // namespace
 
-TEST_CASE("repeating tubes: random ones among balls fill the box, in any one") {
+TEST_CASE("repeating tubes: random ones among balls fill the box, in any box") {
     std::mt19937_64 rng(test_seed());
     DiagramScene box = cube(2);
     SUBCASE("along all axes") {}
@@ -152,6 +152,8 @@ TEST_CASE("repeating tubes: an image of an object is as good as the object") {
                           static_cast<std::int16_t>(edges(rng))});
         const VoronoiDiagram diagram = voronoi_diagram(scene), other = voronoi_diagram(moved(scene, by));
         REQUIRE(diagram.periods == other.periods);
+        // Places far away are on a coarser grid; areas and lengths are less than the box's edges tell.
+        const double moved_by = 24 * (diagram.moved + other.moved);
         const std::vector<Contact> one = contacts(diagram).contacts;
         std::vector<Contact> two = contacts(other).contacts;
         REQUIRE(one.size() == two.size());
@@ -173,12 +175,12 @@ TEST_CASE("repeating tubes: an image of an object is as good as the object") {
                        (c.first == c.second.index && there == whole::representative(sign[1], periods));
             });
             REQUIRE(same != two.end());
-            CHECK(std::abs(same->area - c.area) <= same->area_error + c.area_error);
+            CHECK(std::abs(same->area - c.area) <= same->area_error + c.area_error + moved_by);
             two.erase(same);
         }
         for (std::size_t i = 0; i < scene.objects.size(); ++i)
             CHECK(std::abs(diagram.cells[i].volume - other.cells[i].volume) <=
-                  diagram.cells[i].volume_error + other.cells[i].volume_error);
+                  diagram.cells[i].volume_error + other.cells[i].volume_error + moved_by);
     }
 }
 
