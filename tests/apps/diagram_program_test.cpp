@@ -288,7 +288,7 @@ TEST_CASE("program: diagram says what is wrong") {
     work.write("balls.txt", four_balls);
     work.write("bad.txt", "0 0 0\n");
     work.write("plane.json",
-               R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}],
+               R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [1, 0, 1]}}],
                                 "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "periodic": [true, false, false]})");
     CHECK(work.run("diagram").status == 1);
     CHECK(work.run("diagram balls.txt --periodic w").status == 1);
@@ -304,7 +304,7 @@ TEST_CASE("program: diagram says what is wrong") {
     CHECK(boxless.err.find("--box: missing: balls do not tell the box that repeats") != std::string::npos);
     const Outcome plane = work.run("diagram plane.json");
     CHECK(plane.status == 2);
-    CHECK(plane.err.find("objects[0].plane: is no ball") != std::string::npos);
+    CHECK(plane.err.find("objects[0].plane: is not where it was") != std::string::npos);
     // Of two objects that cut each other neither has a cell; the third one has.
     work.write("cut.json", R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}},
                                                        {"sphere": {"center": [0, 0, 0.1], "radius": 0.2}},
