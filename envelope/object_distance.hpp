@@ -3,10 +3,26 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 
 #include "../primitives/objects/objects.hpp"
 
 namespace vcell {
+
+/// The point that says where an object is: with its coordinates distances from the object are rounded.
+inline const Vec3& place_of(const Object& object) {
+    return std::visit(
+        [](const auto& o) -> const Vec3& {
+            if constexpr (requires { o.center; })
+                return o.center;
+            else if constexpr (requires { o.apex; })
+                return o.apex;
+            else
+                return o.point;
+        },
+        object);
+}
+inline Vec3& place_of(Object& object) { return const_cast<Vec3&>(place_of(std::as_const(object))); }
 
 /// Negative in a solid, and beyond the wall of a vessel. Off by a few roundings of the coordinates.
 inline double distance_from(const Object& object, const Vec3& p) {

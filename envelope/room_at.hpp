@@ -31,20 +31,6 @@ inline double room_at(const RadialBaseProblem& problem, FormId own, const Vec3& 
     return room;
 }
 
-/// A point of an object with whose coordinates distances from it are rounded.
-inline Vec3 place_of(const Object& object) {
-    return std::visit(
-        []<class T>(const T& o) -> Vec3 {
-            if constexpr (requires { o.center; })
-                return o.center;
-            else if constexpr (requires { o.apex; })
-                return o.apex;
-            else
-                return o.point;
-        },
-        object);
-}
-
 /// Is a form the nearest at a point of its bisector, `reach` away from the base's centre or axis? None where
 /// another one is as near but for rounding.
 inline std::optional<bool> shows_at(const RadialBaseProblem& problem, FormId own, const Vec3& p,

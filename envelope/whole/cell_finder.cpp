@@ -27,19 +27,6 @@ std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
     return balls;
 }
 
-Vec3& point_on_grid(Object& object) {
-    return std::visit(
-        [](auto& o) -> Vec3& {
-            if constexpr (requires { o.center; })
-                return o.center;
-            else if constexpr (requires { o.apex; })
-                return o.apex;
-            else
-                return o.point;
-        },
-        object);
-}
-
 }  // namespace
 
 // ---- The scene --------------------------------------------------------------------------------------
@@ -92,7 +79,7 @@ double snap_to_grid(DiagramScene& scene) {
     double moved = 0;
     constexpr int digits = 44;
     double size = std::max(scene.box.min.cwiseAbs().maxCoeff(), scene.box.max.cwiseAbs().maxCoeff());
-    for (Object& o : scene.objects) size = std::max(size, point_on_grid(o).cwiseAbs().maxCoeff());
+    for (Object& o : scene.objects) size = std::max(size, place_of(o).cwiseAbs().maxCoeff());
     for (const double t : scene.tilt) size = std::max(size, std::abs(t));
     const double grid = std::ldexp(1.0, std::ilogb(size) + 1 - digits);
     const auto round = [&](double& x) {
@@ -101,7 +88,7 @@ double snap_to_grid(DiagramScene& scene) {
         x = to;
     };
     for (Object& o : scene.objects)
-        for (double& x : point_on_grid(o)) round(x);
+        for (double& x : place_of(o)) round(x);
     std::vector<std::vector<Image>> periods;
     for (const Object& o : scene.objects)
         periods.push_back(std::holds_alternative<Sphere>(o) ? std::vector<Image>() : *own_periods(given, o));

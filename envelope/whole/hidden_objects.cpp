@@ -111,14 +111,6 @@ std::vector<Other> no_balls(const DiagramScene& scene, const Lattice& lattice) {
     return others;
 }
 
-// A place of the object, which what holds it holds, too.
-Vec3 place_of(const Object& object) {
-    if (const auto* ball = std::get_if<Sphere>(&object)) return ball->center;
-    if (const auto* tube = std::get_if<Cylinder>(&object)) return tube->point;
-    if (const auto* plane = std::get_if<Plane>(&object)) return plane->point;
-    return Vec3::Zero();  // of a vessel, which nothing holds
-}
-
 // Why an object has no cell among others that are no balls.
 std::string hidden_among(const DiagramScene& scene, const std::vector<std::uint32_t>& numbers,
                          const std::vector<Other>& others, std::uint32_t i) {
@@ -127,7 +119,8 @@ std::string hidden_among(const DiagramScene& scene, const std::vector<std::uint3
             for (const Other& x : others)
                 if (is_beyond_wall(x.images.object(), object))
                     return "lies beyond the wall of " + numbered(numbers, x.number);
-            const Vec3 place = place_of(object);
+            // What holds the object holds this, too.
+            const Vec3& place = place_of(scene.objects[i]);
             const double rounding = 0x1p-40 * place.cwiseAbs().sum() + std::numeric_limits<double>::min();
             std::string reason;
             for (const Other& x : others) {
