@@ -26,7 +26,7 @@ double distance_of_axes(const Cylinder& a, const Cylinder& b) {
     return sine > well_told ? std::abs(way.dot(normal)) / sine - rounding * size / well_told : 0;
 }
 
-// By so much along the axes that repeat.
+// A box that is wider on both sides, along the axes that repeat.
 Box grown(const Lattice& lattice, Box box, double by) {
     for (int k = 0; k < 3; ++k) {
         if (!lattice.repeats(k)) continue;

@@ -28,7 +28,7 @@ std::optional<std::vector<Image>> own_periods(const Lattice& lattice, const Obje
 /// the first of them, seen from its point. Pre: own_periods() has these.
 double align(const Lattice& lattice, std::span<const Image> periods, Object& object);
 
-/// Of all images that differ by sums of these periods, the one that stands for them. Throws InputError where
+/// Names the one image that stands for all that differ by sums of these periods. Throws InputError where
 /// that is no Image, which takes objects thousands of edges apart.
 Image representative(const Image& image, std::span<const Image> periods);
 

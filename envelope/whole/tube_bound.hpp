@@ -21,7 +21,7 @@ namespace vcell::whole {
 
 class TubeBound {
 public:
-    /// Of what has its feet between these: it ends at the box, among `others`, and at a probe.
+    /// Bounds what has its feet between these: it ends at the box, among `others`, and at a probe.
     TubeBound(const Cylinder& tube, const std::array<Vec3, 2>& feet, const Box& box,
               std::span<const Object> others, std::optional<double> probe);
 

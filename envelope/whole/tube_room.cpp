@@ -78,7 +78,7 @@ TubeRoom tube_room(const Lattice& lattice, const Box& box, const Cylinder& tube,
     const Vec3 direction = along.normalized();
     double among_images = farthest_among_images(lattice, direction);
     if (!closes) among_images = std::min(among_images, 0.5 * edges_that_repeat(lattice).norm());
-    // Of the cell from the axis, along the box's axes that repeat.
+    // The cell reaches so far from the axis, along the box's axes that repeat.
     Vec3 reach = Vec3::Constant(among_images);
     const bool is_upright = lattice.edges().isDiagonal(0), is_along_edge = (step.array() != 0).count() == 1;
     if (is_upright && is_along_edge) reach = 0.5 * lattice.edges().diagonal();

@@ -119,11 +119,7 @@ private:
         check::NearOthers::Search others = near_.search(ball.center, ball.radius + reach);
         if (result.lack.empty()) result.lack = std::move(others.lack);
         for (const auto& [object, shape] : others.found) {
-            const check::Surface<Interval> surface(shape);
-            const Interval distance = surface.distance(check::to_vector<Interval>(ball.center));
-            const bool is_plane = surface.kind == check::Surface<Interval>::Kind::plane;
-            const Interval room = (is_plane ? check::magnitude(distance) : distance) - Interval(ball.radius);
-            if (!(room.lower() > reach)) result.found.push_back({object, shape});
+            if (!(distance_of(shape, ball).lower() > reach)) result.found.push_back({object, shape});
         }
         std::ranges::sort(result.found, {}, &Candidate::object);
         return result;

@@ -15,7 +15,8 @@
 ///     anything out;
 ///   - the volumes' enclosures add up to one of the box's volume; where there are objects without a cell
 ///     here, or a probe ends cells, to no more.
-/// Nothing that computed the diagram takes part.
+/// Nothing that computed the diagram takes part, but the rule by which one number stands for images that are
+/// one (whole::representative()).
 #pragma once
 
 #include <string>

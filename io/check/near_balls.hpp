@@ -41,7 +41,7 @@ public:
     Search search(std::uint32_t i, double reach) const {
         return search(std::get<Sphere>(scene_.objects[i]), i, reach);
     }
-    /// The same of what is in the scene around any ball.
+    /// Searches around any ball, which needs not be one of the scene.
     Search search(const Sphere& around, double reach) const { return search(around, UINT32_MAX, reach); }
 
     /// No point of a cell is farther from the centre of its ball, which lies within the sides of the box that

@@ -14,6 +14,20 @@
 
 namespace vcell::check {
 
+namespace {
+
+// The axis of the box, among those that do not repeat, that a tube which does not close leaves it along.
+int axis_of_ends(const DiagramScene& scene, const Cylinder& tube) {
+    int across = -1;
+    for (int k = 0; k < 3; ++k)
+        if (!scene.periodic[static_cast<std::size_t>(k)] &&
+            (across < 0 || std::abs(tube.axis[k]) > std::abs(tube.axis[across])))
+            across = k;
+    return across;
+}
+
+}  // namespace
+
 NearOthers::NearOthers(const DiagramScene& scene, const NearBalls& balls)
     : scene_(scene), balls_(balls), periods_(scene.objects.size()) {
     if (!repeats()) return;
@@ -63,11 +77,7 @@ Box NearOthers::piece(const Cylinder& tube, std::uint32_t object, const Vec3& po
         end += balls_.shift(periods_[object].front());
     } else {
         // What comes near to the point along the axis that it leaves the box by.
-        int across = -1;
-        for (int k = 0; k < 3; ++k)
-            if (!scene_.periodic[static_cast<std::size_t>(k)] &&
-                (across < 0 || std::abs(tube.axis[k]) > std::abs(tube.axis[across])))
-                across = k;
+        const int across = axis_of_ends(scene_, tube);
         const Vec3 step = tube.axis / tube.axis[across];
         const Vec3 middle = tube.point + (point[across] - tube.point[across]) * step;
         begin = middle - 1.001 * reach * step;
@@ -148,10 +158,7 @@ std::string NearOthers::lack_of_period(const Box& box, int cut, const ImageIndex
 // but for the axes that do not repeat, no point farther from the axis than half of a diagonal of the edges.
 Box NearOthers::room(const Cylinder& tube) const {
     const auto repeats_along = [&](int k) { return scene_.periodic[static_cast<std::size_t>(k)]; };
-    int across = -1;
-    for (int k = 0; k < 3; ++k)
-        if (!repeats_along(k) && (across < 0 || std::abs(tube.axis[k]) > std::abs(tube.axis[across])))
-            across = k;
+    const int across = axis_of_ends(scene_, tube);
     Box box = scene_.box;
     const Vec3 step = tube.axis / tube.axis[across],
                middle = tube.point + (0.5 * (box.min[across] + box.max[across]) - tube.point[across]) * step;

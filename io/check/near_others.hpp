@@ -32,12 +32,13 @@ public:
     /// not repeat, and of planes and vessels.
     Search search(const Vec3& point, double reach) const;
 
-    /// Of a ball, or what is no object, there are none.
+    /// Balls, and what is no object, have none.
     const std::vector<ImageIndex>& periods(std::uint32_t object) const {
         static const std::vector<ImageIndex> none;
         return object < periods_.size() ? periods_[object] : none;
     }
-    /// Of all images that are one, as seen from an object that is also where it was after some moves.
+    /// Names one of all images that are one, as seen from an object that is also where it was after some
+    /// moves.
     ImageIndex representative(const ObjectImage& image, std::optional<std::uint32_t> seen_from = {}) const;
 
     /// The axis of the box across which the cell of a tube is cut to one period: that which its axis has the

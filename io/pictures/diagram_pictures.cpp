@@ -59,7 +59,8 @@ void DiagramObj::write_mtl(std::ostream& out) {
 
 void DiagramCut::add(std::uint32_t object, const Cell& cell, const CellMesh& mesh) {
     Section section{object, colours_.add(object, cell), {}};
-    // Of a tube that closes on itself there is one period, which meets the plane wherever its images do.
+    // A tube that closes on itself has one period of its cell here, which meets the plane wherever its images
+    // do.
     const Vec3 period = period_of(object);
     double low = at_, high = at_;
     for (const Vec3& p : mesh.points) {
