@@ -39,26 +39,24 @@ DiagramScene read_scene(JsonReader& in, double& moved) {
     return scene;
 }
 
-void write_scene(JsonWriter& out, const DiagramScene& scene, double moved) {
-    out.object([&] {
-        std::size_t i = 0;
-        out.line_key("objects").lines(scene.objects, [&](const Object& object) {
-            write_object(out, object, i < scene.names.size() ? scene.names[i] : std::string());
-            ++i;
-        });
-        out.line_key("box").object([&] {
-            out.key("min").value(scene.box.min);
-            out.key("max").value(scene.box.max);
-        });
-        if (scene.is_periodic()) {
-            out.key("periodic").value(scene.periodic);
-            if (scene.tilt != std::array{0.0, 0.0, 0.0}) out.key("tilt").value(scene.tilt);
-            out.key("moved").value(moved);
-        }
-        out.key("units").value(scene.units);
-        if (scene.tolerance) out.key("tolerance").value(*scene.tolerance);
-        if (scene.probe) out.key("probe").value(*scene.probe);
+void write_members(JsonWriter& out, const DiagramScene& scene, std::optional<double> moved) {
+    std::size_t i = 0;
+    out.line_key("objects").lines(scene.objects, [&](const Object& object) {
+        write_object(out, object, i < scene.names.size() ? scene.names[i] : std::string());
+        ++i;
     });
+    out.line_key("box").object([&] {
+        out.key("min").value(scene.box.min);
+        out.key("max").value(scene.box.max);
+    });
+    if (scene.is_periodic()) {
+        out.key("periodic").value(scene.periodic);
+        if (scene.tilt != std::array{0.0, 0.0, 0.0}) out.key("tilt").value(scene.tilt);
+        if (moved) out.key("moved").value(*moved);
+    }
+    out.key("units").value(scene.units);
+    if (scene.tolerance) out.key("tolerance").value(*scene.tolerance);
+    if (scene.probe) out.key("probe").value(*scene.probe);
 }
 
 // Sites are images along axes along which the box repeats.
@@ -86,7 +84,7 @@ DiagramWriter::DiagramWriter(std::ostream& out, const DiagramScene& scene)
     const double moved = whole::snap_to_grid(decided);
     writer_.begin_object();
     writer_.key("vcell").value(format_version);
-    write_scene(writer_.line_key("diagram"), decided, moved);
+    writer_.line_key("diagram").object([&] { write_members(writer_, decided, moved); });
     writer_.line_key("cells");
     writer_.begin_array();
 }
@@ -120,6 +118,16 @@ void DiagramWriter::finish(const VoronoiDiagram& diagram) {
     writer_.end_object();
     writer_.finish();
     out_ << '\n';
+}
+
+void write_diagram_scene(std::ostream& out, const DiagramScene& scene) {
+    JsonWriter writer(out);
+    writer.object([&] {
+        writer.key("vcell").value(format_version);
+        write_members(writer, scene, std::nullopt);
+    });
+    writer.finish();
+    out << '\n';
 }
 
 std::optional<StoredDiagram> parse_diagram(std::string_view text) {

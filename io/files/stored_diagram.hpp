@@ -32,6 +32,9 @@ private:
     std::vector<bool> is_added_;
 };
 
+/// The scene alone, as read_diagram_scene() reads it; groups are left out.
+void write_diagram_scene(std::ostream& out, const DiagramScene& scene);
+
 /// None if the text is no diagram. Throws InputError with the JSON path of the first offender.
 std::optional<StoredDiagram> parse_diagram(std::string_view text);
 

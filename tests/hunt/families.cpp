@@ -42,8 +42,6 @@ bool is_legal(const Scene& scene) try {
     return true;
 }
 
-namespace {
-
 void transform(Object& object, double factor, const Vec3& shift) {
     const auto place = [&](Vec3& p) { p = factor * p + shift; };
     if (auto* s = std::get_if<Sphere>(&object)) place(s->center), s->radius *= factor;
@@ -53,6 +51,8 @@ void transform(Object& object, double factor, const Vec3& shift) {
     if (auto* c = std::get_if<HollowCylinder>(&object)) place(c->point), c->radius *= factor;
     if (auto* c = std::get_if<HollowCone>(&object)) place(c->apex), c->radius *= factor, c->slant *= factor;
 }
+
+namespace {
 
 Scene balls(std::mt19937_64& rng, BaseKind kind) {
     Builder b(rng, kind);

@@ -27,4 +27,7 @@ std::span<const Family> families();
 /// Does voronoi_cell() take the scene, as far as its objects' places count?
 bool is_legal(const Scene& scene);
 
+/// Times a factor, and then moved.
+void transform(Object& object, double factor, const Vec3& shift);
+
 }  // namespace vcell::hunt

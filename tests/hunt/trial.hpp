@@ -1,9 +1,11 @@
-/// One scene's cell, computed and judged in a process of its own: it may hang, run out of memory or crash.
+/// One scene's cell, or its whole diagram, computed and judged in a process of its own: it may hang, run out
+/// of memory or crash.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
+#include "../../envelope/voronoi_diagram.hpp"
 #include "../../primitives/objects/scene.hpp"
 
 namespace vcell::hunt {
@@ -36,8 +38,12 @@ struct Limits {
 };
 
 Trial judge(const Scene& scene, const Limits& limits);
+/// All cells, complete ones, as their file has them. What has no cell makes the diagram undecided, or illegal
+/// where an object is refused; all the same the others are judged.
+Trial judge(const DiagramScene& scene, const Limits& limits);
 
 /// The scene with as few objects, and as short numbers, as still give the same outcome.
 Scene minimised(Scene scene, const Trial& trial, const Limits& limits);
+DiagramScene minimised(DiagramScene scene, const Trial& trial, const Limits& limits);
 
 }  // namespace vcell::hunt
