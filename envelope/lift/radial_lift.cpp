@@ -55,27 +55,34 @@ public:
 
     void finish(Cell& cell) {
         EdgeLift::finish(cell);
-        for (const RadialBaseProblem::CommonTie& tie : of_.problem.common_ties) add_common_tie(tie, cell);
-        if (of_.problem.generator_ties.empty()) return;
-        for (const EdgeId e : of_.diagram.edges.ids())
-            if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);
-        for (const VertexId v : of_.diagram.vertices.ids()) add_generator_ties(v, cell);
+        if (!of_.problem.generator_ties.empty()) {
+            for (const EdgeId e : of_.diagram.edges.ids())
+                if (curves_.is_line(e) && !of_.diagram.edges[e].on_rim()) add_generator_ties(e, cell);
+            for (const VertexId v : of_.diagram.vertices.ids()) add_generator_ties(v, cell);
+        }
+        if (of_.problem.common_ties.empty()) return;
+        for (CellEdge& edge : cell.edges)
+            add_common_ties(edge.extra_sites,
+                            [&](const Site& s) { return s == edge.sites[0] || s == edge.sites[1]; });
+        for (CellVertex& vertex : cell.vertices)
+            add_common_ties(vertex.sites, [](const Site&) { return false; });
     }
 
 private:
-    void add_common_tie(const RadialBaseProblem::CommonTie& tie, Cell& cell) const {
-        const auto add = [&](auto& sites) {
-            sites.push_back(tie.site);
-            sort_unique(sites);
+    // A form of several sites ties with all of them.
+    Site site_of(FormId form) const { return of_.problem.sites[form].front(); }
+
+    // What ties may stand for another form in the next tie.
+    void add_common_ties(auto& sites, const auto& is_one) const {
+        const auto has = [&](FormId f) {
+            const Site site = site_of(f);
+            return is_one(site) || std::ranges::find(sites, site) != sites.end();
         };
-        for (const EdgeId e : of_.diagram.edges.ids())
-            if (std::minmax(of_.diagram.edges[e].left, of_.diagram.edges[e].right) ==
-                std::minmax(tie.first, tie.second))
-                add(cell.edges[e.value].extra_sites);
-        for (const VertexId v : of_.diagram.vertices.ids()) {
-            const auto label = of_.diagram.label(v);
-            const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
-            if (has(tie.first) && has(tie.second)) add(cell.vertices[v.value].sites);
+        for (std::size_t known = sites.size() + 1; known != sites.size();) {
+            known = sites.size();
+            for (const RadialBaseProblem::CommonTie& tie : of_.problem.common_ties)
+                if (has(tie.first) && has(tie.second)) sites.push_back(tie.site);
+            sort_unique(sites);
         }
     }
 
@@ -114,9 +121,9 @@ private:
 
     // Where another form is nearer over all of the generator but a point, the tie has no edge, and a vertex.
     void add_generator_ties(VertexId v, Cell& cell) {
-        const auto label = of_.diagram.label(v);
-        const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
         auto& sites = cell.vertices[v.value].sites;
+        const auto known = sites;
+        const auto has = [&](FormId f) { return std::ranges::find(known, site_of(f)) != known.end(); };
         for (const RadialBaseProblem::GeneratorTie& tie : of_.problem.generator_ties)
             if (tie.is_decided && has(tie.before) && has(tie.after) &&
                 give_way(tie.before, tie.after, of_.diagram.vertices[v]))

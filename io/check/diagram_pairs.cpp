@@ -73,7 +73,7 @@ public:
                     if (is_shared(site))
                         shared(images[site.index])
                             .vertices.push_back(
-                                in_period({sites, v.point, v.error}, own, images[site.index]));
+                                in_period({sites, v.point, v.error, v.is_touching}, own, images[site.index]));
             }
         }
         for (auto& [pair, sides] : pairs) {
@@ -101,6 +101,7 @@ private:
             std::vector<PlacedSite> sites;  // the cell's own object among them
             Vec3 point;
             double error;
+            bool is_touching;  // nothing bounds where it is along bisectors that touch
         };
         std::vector<Vertex> vertices;
     };
@@ -177,16 +178,23 @@ private:
                 });
             });
     }
+    // How many edges of the box a point is to be moved by into the file's period of an object's cell.
+    ImageIndex into_period(const Cell& cell, std::uint32_t object, const Vec3& p) const {
+        ImageIndex moves{};
+        const auto* tube = std::get_if<Cylinder>(&cell.scene.base);
+        const std::optional<int> cut = tube != nullptr ? others_.cut_of(*tube, object) : std::nullopt;
+        if (!cut) return moves;
+        const ImageIndex& period = others_.periods(object).front();
+        const Box& box = cell.scene.box;
+        const double middle = 0.5 * (box.min[*cut] + box.max[*cut]);
+        const auto times = static_cast<int>(std::round((middle - p[*cut]) / balls_.shift(period)[*cut]));
+        for (std::size_t k = 0; k < 3; ++k) moves[k] = static_cast<std::int16_t>(times * period[k]);
+        return moves;
+    }
     // Where a point is in the file's period of a cell.
     Vec3 in_cell(const InParts& whose, const Vec3& point) const {
         const Vec3 p = point - balls_.shift(whose.object.image);
-        const auto& tube = std::get<Cylinder>(whose.cell->scene.base);
-        const std::optional<int> cut = others_.cut_of(tube, whose.object.number);
-        if (!cut) return p;
-        const Vec3 period = balls_.shift(others_.periods(whose.object.number).front());
-        const Box& box = whose.cell->scene.box;
-        const double middle = 0.5 * (box.min[*cut] + box.max[*cut]);
-        return p + std::round((middle - p[*cut]) / period[*cut]) * period;
+        return p + balls_.shift(into_period(*whose.cell, whose.object.number, p));
     }
 
     // The vertices of the second of two cells as the first one sees them.
@@ -228,19 +236,31 @@ private:
         std::ranges::stable_sort(a.vertices, by_sites);
         std::ranges::stable_sort(b.vertices, by_sites);
         std::vector<char> is_taken(b.vertices.size(), 0);
+        const auto range = [&](const std::vector<Shared::Vertex>& in, const Shared::Vertex& v) {
+            return std::equal_range(in.begin(), in.end(), v, by_sites);
+        };
+        // Where bisectors touch a vertex is a double one, which one cell may have once and the other one
+        // twice.
+        const auto is_double = [&](const Shared::Vertex& v, const std::vector<Shared::Vertex>& in) {
+            const auto [first, last] = range(in, v);
+            return std::any_of(first, last,
+                               [&](const Shared::Vertex& w) { return v.is_touching || w.is_touching; });
+        };
         for (const Shared::Vertex& v : a.vertices) {
-            const auto [first, last] = std::equal_range(b.vertices.begin(), b.vertices.end(), v, by_sites);
+            const auto [first, last] = range(b.vertices, v);
             const auto twin = std::find_if(first, last, [&](const Shared::Vertex& w) {
                 return !is_taken[&w - b.vertices.data()] &&
                        (v.point - w.point).norm() <= v.error + w.error + rounding_;
             });
             if (twin != last)
                 is_taken[twin - b.vertices.begin()] = 1;
-            else if (!lies_on_edge(pair, pair.second.number, moved_back(v, pair.second.image)))
+            else if (!is_double(v, b.vertices) &&
+                     !lies_on_edge(pair, pair.second.number, moved_back(v, pair.second.image)))
                 return only_one_has(v);
         }
         for (std::size_t i = 0; i < b.vertices.size(); ++i)
-            if (is_taken[i] == 0 && !lies_on_edge(pair, pair.first, b.vertices[i]))
+            if (is_taken[i] == 0 && !is_double(b.vertices[i], a.vertices) &&
+                !lies_on_edge(pair, pair.first, b.vertices[i]))
                 return only_one_has(b.vertices[i]);
         return {};
     }
@@ -260,11 +280,14 @@ private:
             return std::ranges::any_of(cells_of(i), [](const auto& c) { return c.second.report.moved > 0; });
         };
         if (!is_on_cap && !has_moved(pair.first) && !has_moved(pair.second.number)) return false;
-        for (const auto& [number, cell] : cells_of(object))
+        for (const auto& [number, cell] : cells_of(object)) {
+            Shared::Vertex seen = v;
+            move(seen, into_period(cell, object, v.point));
             for (const CellEdge& e : cell.edges)
-                if (std::ranges::includes(v.sites, placed(object, cell, e.sites)) &&
-                    least_distance(e.curve, v.point) <= v.error + e.error + rounding_)
+                if (std::ranges::includes(seen.sites, placed(object, cell, e.sites)) &&
+                    least_distance(e.curve, seen.point) <= seen.error + e.error + rounding_)
                     return true;
+        }
         return false;
     }
     // An upper bound, but for rounding, of the distance of a point from a curve: the least one of some
