@@ -103,9 +103,12 @@ public:
         const auto forms = diagram_.label(v);
         if (forms.empty() || !std::ranges::all_of(forms, [&](FormId f) { return diagram_.is_circular(f); }))
             return;
-        const ExactForm first = family_.exact(forms[0]);
+        // Curves of a third form with two twins all but coincide; the one between the twins crosses them.
+        std::vector<ExactForm> exact;
+        for (const FormId f : forms) exact.push_back(family_.exact(f));
         std::vector<Curve> curves;
-        for (const FormId f : forms.subspan(1)) curves.push_back(difference(first, family_.exact(f)));
+        for (std::size_t j = 1; j < exact.size(); ++j)
+            for (std::size_t i = 0; i < j; ++i) curves.push_back(difference(exact[i], exact[j]));
         for (const std::uint32_t s : diagram_.sides(v)) {
             const ConvexRegion::Side& side = diagram_.region.sides[s];
             curves.push_back({Exact(), Exact(side.a), Exact(side.b), Exact(side.c)});
