@@ -23,7 +23,7 @@ Plane facing(const Plane& plane) {
     return {plane.point, plane.normal.dot(plane.point) < 0 ? Vec3(-plane.normal) : plane.normal};
 }
 
-Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) {
+Functional functional(const RadialBaseProblem& problem, FormId f) {
     if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
         const double square = ball_power(problem, f);
         return {sphere->center, sphere->radius - problem.chart.radius, square, 0.5 * square};
@@ -38,25 +38,18 @@ Functional<Vec3, double> functional(const RadialBaseProblem& problem, FormId f) 
     return {plane.normal, length, 0, k + problem.chart.radius * length};
 }
 
-Functional<ExactVector, Exact> exact_functional(const RadialBaseProblem& problem, FormId f) {
-    if (const auto* sphere = std::get_if<Sphere>(&problem.objects[f])) {
-        const ExactVector c(sphere->center);
-        const Exact delta = Exact(sphere->radius) - Exact(problem.chart.radius),
-                    square = dot(c, c) - delta * delta;
-        return {c, delta, square, square.scaled(-1)};
-    }
-    if (const auto* vessel = std::get_if<HollowSphere>(&problem.objects[f])) {
-        const ExactVector c(Vec3(-vessel->center));
-        const Exact reach = Exact(vessel->radius) + Exact(problem.chart.radius),
-                    square = dot(c, c) - reach * reach;
-        return {c, reach, square, -square.scaled(-1)};
-    }
-    const Plane plane = facing(std::get<Plane>(problem.objects[f]));
-    const ExactVector n(plane.normal);
-    const Exact k = dot(n, ExactVector(plane.point)), square = dot(n, n);
-    if (is_wall(problem, f)) return {n, 0.0, square, k};
-    const Exact length = length_of(n);
-    return {n, length, 0.0, k + length * Exact(problem.chart.radius)};
+// A positive multiple, seen in the chart's frame: of the form's exact coefficients, as the differences of
+// those of objects that all but coincide are lost where their places are rounded.
+struct ExactFunctional {
+    ExactVector b;
+    Exact b0, square;
+};
+ExactFunctional exact_functional(const RadialBaseProblem& problem, FormId f) {
+    const auto [K, A, B, C, W] = problem.family.exact(f);
+    const ExactVector b{-A, -B, K - C};
+    const Exact b0 = -(K + C);
+    const bool is_plane = std::holds_alternative<Plane>(problem.objects[f]) && !is_wall(problem, f);
+    return {b, b0, is_plane ? Exact() : dot(b, b) - b0 * b0};
 }
 
 }  // namespace

@@ -20,10 +20,9 @@
 namespace vcell::radial {
 
 /// The equation above. `square` is b.b - b0^2.
-template <class Vector, class T>
 struct Functional {
-    Vector b;
-    T b0, square, k;
+    Vec3 b;
+    double b0, square, k;
 };
 
 /// A form's hyperplane, its normal of length 1.
@@ -35,7 +34,7 @@ class Hyperplane {
 public:
     Hyperplane(const RadialBaseProblem& problem, FormId f);
 
-    const Functional<Vec3, double>& functional() const { return functional_; }
+    const Functional& functional() const { return functional_; }
     const DistancePlane& plane() const { return plane_; }
     const Eigen::Vector4d& normal() const { return plane_.normal; }
     /// How far off a homogeneous point of that weight is.
@@ -49,7 +48,7 @@ public:
     double steepness() const { return 1 / std::abs(plane_.k); }
 
 private:
-    Functional<Vec3, double> functional_;
+    Functional functional_;
     DistancePlane plane_;
 };
 
@@ -87,7 +86,7 @@ DistancePlane difference_plane(const RadialBaseProblem& problem, FormId f, FormI
 /// as the Gram determinant of (b_f, b0_f) and (b_g, b0_g) in the cone's metric is positive, zero or negative.
 class SphereConicKind {
 public:
-    using Approximate = Functional<Vec3, double>;
+    using Approximate = Functional;
 
     /// `decisions` counts its signs.
     SphereConicKind(const RadialBaseProblem& problem, Decisions& decisions)
