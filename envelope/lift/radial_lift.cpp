@@ -61,27 +61,28 @@ public:
             for (const VertexId v : of_.diagram.vertices.ids()) add_generator_ties(v, cell);
         }
         if (of_.problem.common_ties.empty()) return;
-        for (CellEdge& edge : cell.edges)
-            add_common_ties(edge.extra_sites,
-                            [&](const Site& s) { return s == edge.sites[0] || s == edge.sites[1]; });
-        for (CellVertex& vertex : cell.vertices)
-            add_common_ties(vertex.sites, [](const Site&) { return false; });
+        for (const EdgeId e : of_.diagram.edges.ids())
+            add_common_ties(of_.diagram.label(e), cell.edges[e.value].extra_sites);
+        for (const VertexId v : of_.diagram.vertices.ids())
+            add_common_ties(of_.diagram.label(v), cell.vertices[v.value].sites);
     }
 
 private:
-    // A form of several sites ties with all of them.
-    Site site_of(FormId form) const { return of_.problem.sites[form].front(); }
+    // Does the form tie where these do: is it in the label, or is its site among those that have been found
+    // to tie? That tells nothing of one of the two walls that stand for a tube across the base's axis.
+    bool ties(FormId form, std::span<const FormId> label, const auto& sites) const {
+        if (std::ranges::find(label, form) != label.end()) return true;
+        const bool is_one_of_two = of_.problem.given[form].index() != of_.problem.objects[form].index();
+        return !is_one_of_two && std::ranges::find(sites, of_.problem.sites[form].front()) != sites.end();
+    }
 
     // What ties may stand for another form in the next tie.
-    void add_common_ties(auto& sites, const auto& is_one) const {
-        const auto has = [&](FormId f) {
-            const Site site = site_of(f);
-            return is_one(site) || std::ranges::find(sites, site) != sites.end();
-        };
+    void add_common_ties(std::span<const FormId> label, auto& sites) const {
         for (std::size_t known = sites.size() + 1; known != sites.size();) {
             known = sites.size();
             for (const RadialBaseProblem::CommonTie& tie : of_.problem.common_ties)
-                if (has(tie.first) && has(tie.second)) sites.push_back(tie.site);
+                if (ties(tie.first, label, sites) && ties(tie.second, label, sites))
+                    sites.push_back(tie.site);
             sort_unique(sites);
         }
     }
@@ -123,7 +124,7 @@ private:
     void add_generator_ties(VertexId v, Cell& cell) {
         auto& sites = cell.vertices[v.value].sites;
         const auto known = sites;
-        const auto has = [&](FormId f) { return std::ranges::find(known, site_of(f)) != known.end(); };
+        const auto has = [&](FormId f) { return ties(f, of_.diagram.label(v), known); };
         for (const RadialBaseProblem::GeneratorTie& tie : of_.problem.generator_ties)
             if (tie.is_decided && has(tie.before) && has(tie.after) &&
                 give_way(tie.before, tie.after, of_.diagram.vertices[v]))

@@ -48,8 +48,8 @@ ExactFunctional exact_functional(const RadialBaseProblem& problem, FormId f) {
     const auto [K, A, B, C, W] = problem.family.exact(f);
     const ExactVector b{-A, -B, K - C};
     const Exact b0 = -(K + C);
-    const bool is_plane = std::holds_alternative<Plane>(problem.objects[f]) && !is_wall(problem, f);
-    return {b, b0, is_plane ? Exact() : dot(b, b) - b0 * b0};
+    const bool is_null = std::holds_alternative<Plane>(problem.objects[f]) && !is_wall(problem, f);
+    return {b, b0, is_null ? Exact() : dot(b, b) - b0 * b0};
 }
 
 }  // namespace

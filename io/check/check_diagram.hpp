@@ -9,8 +9,8 @@
 ///     number, or a probe that ends cells does not get from it to the box; of another one beyond the box, or
 ///     that the file says it lacks, nothing is said;
 ///   - pairs: two cells have as many faces between them, one area within both bounds, and the same vertices,
-///     by all of their sites and within both errors, those in which bisectors touch by their sites alone: what
-///     cell i has with the image s of ball j, cell j has
+///     by all objects among their sites and within both errors, those in which bisectors touch by their objects
+///     alone: what cell i has with the image s of ball j, cell j has
 ///     with the image -s of ball i, moved by s (diagram_pairs.hpp). Cells of tubes that come in parts
 ///     (parts.hpp) cut faces and edges: with these pairs have the same vertices where neither cell leaves
 ///     anything out;

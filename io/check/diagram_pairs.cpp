@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <ranges>
 #include <span>
 #include <string>
 #include <utility>
@@ -229,15 +230,18 @@ private:
 
     std::string fault_of_vertices(const Pair& pair, std::array<Shared, 2>& sides) const {
         auto& [a, b] = sides;
-        // Few vertices have the same sites: only these are compared.
-        const auto by_sites = [](const Shared::Vertex& v, const Shared::Vertex& w) {
-            return v.sites < w.sites;
+        // Few vertices have the same objects: only these are compared. A side of the box may be a site of one
+        // cell alone, as the other one comes to it nowhere else; that it is there its own cell's check tells.
+        const auto by_objects = [](const Shared::Vertex& v, const Shared::Vertex& w) {
+            const auto is_object = [](const PlacedSite& s) { return s.first.is_object(); };
+            return std::ranges::lexicographical_compare(v.sites | std::views::filter(is_object),
+                                                        w.sites | std::views::filter(is_object));
         };
-        std::ranges::stable_sort(a.vertices, by_sites);
-        std::ranges::stable_sort(b.vertices, by_sites);
+        std::ranges::stable_sort(a.vertices, by_objects);
+        std::ranges::stable_sort(b.vertices, by_objects);
         std::vector<char> is_taken(b.vertices.size(), 0);
         const auto range = [&](const std::vector<Shared::Vertex>& in, const Shared::Vertex& v) {
-            return std::equal_range(in.begin(), in.end(), v, by_sites);
+            return std::equal_range(in.begin(), in.end(), v, by_objects);
         };
         // Where bisectors touch a vertex is a double one, which one cell may have once and the other one
         // twice.
@@ -271,20 +275,25 @@ private:
     }
 
     // Does a vertex of one cell of the pair lie on an edge of a cell of `object`, the other one, that belongs
-    // to sites of it? False where neither scene moved and no cap is there: each cell has one of its own, and
-    // what touches that in a point is in no label.
+    // to sites of it? Where neither scene moved and no cap is there, only one on a side of the box on an edge
+    // between objects: each cell has a cap of its own, and what touches that or a side in a point is in no
+    // label.
     bool lies_on_edge(const Pair& pair, std::uint32_t object, const Shared::Vertex& v) const {
-        const bool is_on_cap =
-            std::ranges::any_of(v.sites, [](const PlacedSite& s) { return s.first.kind == Site::Kind::Cap; });
+        const auto is_of = [](Site::Kind kind) {
+            return [kind](const PlacedSite& s) { return s.first.kind == kind; };
+        };
         const auto has_moved = [&](std::uint32_t i) {
             return std::ranges::any_of(cells_of(i), [](const auto& c) { return c.second.report.moved > 0; });
         };
-        if (!is_on_cap && !has_moved(pair.first) && !has_moved(pair.second.number)) return false;
+        const bool is_any = std::ranges::any_of(v.sites, is_of(Site::Kind::Cap)) || has_moved(pair.first) ||
+                            has_moved(pair.second.number);
+        if (!is_any && std::ranges::none_of(v.sites, is_of(Site::Kind::BoxSide))) return false;
         for (const auto& [number, cell] : cells_of(object)) {
             Shared::Vertex seen = v;
             move(seen, into_period(cell, object, v.point));
             for (const CellEdge& e : cell.edges)
-                if (std::ranges::includes(seen.sites, placed(object, cell, e.sites)) &&
+                if ((is_any || std::ranges::all_of(e.sites, &Site::is_object)) &&
+                    std::ranges::includes(seen.sites, placed(object, cell, e.sites)) &&
                     least_distance(e.curve, seen.point) <= seen.error + e.error + rounding_)
                     return true;
         }

@@ -121,6 +121,15 @@ double drop_mirrored(const Scene& scene, const Cylinder& base, double most, std:
 }
 
 // Pre: what is kept has its number.
+void add_ties(const std::vector<AxialTie>& ties, double most_rounded, const std::vector<Entry>& entries,
+              const RadialObjects& objects, std::size_t count, RadialBaseProblem& problem) {
+    for (const AxialTie& tie : ties) {
+        const Entry &before = entries[tie.before], &after = entries[tie.after];
+        if (!before.is_kept || !after.is_kept) continue;  // behind a mirror
+        for (const Site site : with_equal_ones(entries[tie.middle].sites, objects, count))
+            problem.generator_ties.push_back({site, before.id, after.id, tie.move <= most_rounded});
+    }
+}
 void add_ties(const std::vector<WallTie>& ties, const std::vector<Entry>& entries,
               const RadialObjects& objects, std::size_t count, RadialBaseProblem& problem) {
     for (const WallTie& tie : ties) {
@@ -486,11 +495,7 @@ private:
                     {e.id, CylinderForms::turned(forms_.form(
                                objects_.cylinders.of(static_cast<std::uint32_t>(scene_.place(own.index)))))});
         }
-        for (const AxialTie& tie : ties)
-            for (const Site site :
-                 with_equal_ones(entries[tie.middle].sites, objects_, scene_.objects.size()))
-                problem.generator_ties.push_back(
-                    {site, entries[tie.before].id, entries[tie.after].id, tie.move <= most_rounded});
+        add_ties(ties, most_rounded, entries, objects_, scene_.objects.size(), problem);
         add_ties(ties_of_walls, entries, objects_, scene_.objects.size(), problem);
         found.add_twins(objects_);
         if (problem.floor.empty()) add_passing_ties(found.sites, problem);
