@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "../../core/errors.hpp"
-#include "../../primitives/forms/circle_ties.hpp"
+#include "../../primitives/forms/pencil_ties.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../diagram/patchwork.hpp"
 #include "../proofs/side_labelling.hpp"
@@ -161,7 +161,7 @@ MinimizationDiagram by_pieces_on_sphere(const FormFamily& family, const Envelope
 }
 
 // Wherever both forms that one lies between are the lowest, it is so, too.
-void add_to_labels(const std::vector<CircleTie>& ties, std::vector<FormId>& labels,
+void add_to_labels(const std::vector<PencilTie>& ties, std::vector<FormId>& labels,
                    std::vector<std::uint32_t>& offsets) {
     std::vector<FormId> all, label;
     std::vector<std::uint32_t> begins{0};
@@ -170,7 +170,7 @@ void add_to_labels(const std::vector<CircleTie>& ties, std::vector<FormId>& labe
         label.assign(labels.begin() + offsets[i], labels.begin() + offsets[i + 1]);
         for (std::size_t before = 0; before != label.size();) {
             before = label.size();
-            for (const CircleTie& tie : ties)
+            for (const PencilTie& tie : ties)
                 if (has(tie.between[0]) && has(tie.between[1]) && !has(tie.form)) label.push_back(tie.form);
         }
         std::ranges::sort(label);
@@ -189,10 +189,10 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
             if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
         return by_pieces_on_sphere(family, options);
     }
-    const std::vector<CircleTie> ties = find_circle_ties(family);
+    const std::vector<PencilTie> ties = find_pencil_ties(family);
     if (ties.empty()) return by_pieces_on_sphere(family, options);
     FormFamily others = family;
-    for (const CircleTie& tie : ties)
+    for (const PencilTie& tie : ties)
         if (std::ranges::none_of(others.hidden, [&](const auto& h) { return h.form == tie.form; }))
             others.hide(tie.form);
     MinimizationDiagram diagram = by_pieces_on_sphere(others, options);

@@ -1,4 +1,4 @@
-// Ties along circles, against all triples of functions of small integers.
+// Ties of forms in one pencil, against all triples of functions of small integers.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 #include <set>
 #include <vector>
 
-#include "../../primitives/forms/circle_ties.hpp"
+#include "../../primitives/forms/pencil_ties.hpp"
 #include "../test_support.hpp"
 
-namespace vcell::circle_ties_test {
+namespace vcell::pencil_ties_test {
 
 using Numbers = std::array<int, 5>;  // K, A, B, C and the denominator
 
@@ -42,7 +42,7 @@ bool is_between(const Numbers& c, const Numbers& f, const Numbers& g) {
     return true;
 }
 
-TEST_CASE("circle ties: are all forms that lie between two others") {
+TEST_CASE("pencil ties: are all forms that lie between two others") {
     std::mt19937_64 rng(test_seed());
     std::uniform_int_distribution<int> whole(-2, 2), positive(1, 2);
     std::size_t found = 0;
@@ -64,7 +64,7 @@ TEST_CASE("circle ties: are all forms that lie between two others") {
                 for (std::uint32_t g = f + 1; g < numbers.size(); ++g)
                     if (c != f && c != g && is_between(numbers[c], numbers[f], numbers[g]))
                         expected.insert({c, f, g});
-        for (const CircleTie& tie : find_circle_ties(family_of(numbers)))
+        for (const PencilTie& tie : find_pencil_ties(family_of(numbers)))
             ties.insert({tie.form.value, tie.between[0].value, tie.between[1].value});
         CHECK(ties == expected);
         found += ties.size();
@@ -72,4 +72,4 @@ TEST_CASE("circle ties: are all forms that lie between two others") {
     CHECK(found > 100u * static_cast<std::size_t>(rounds()));
 }
 
-}  // namespace vcell::circle_ties_test
+}  // namespace vcell::pencil_ties_test

@@ -1,0 +1,148 @@
+#include "pencil_ties.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "../objects/exact_space.hpp"
+
+namespace vcell {
+
+namespace {
+
+constexpr std::size_t most_compared = 32;
+
+// E, times a positive number: C and, with all signs changed, the coefficients of t b, t b0 and t^2 a a.
+constexpr std::size_t dimension = 10;
+template <class T>
+struct Numbers {
+    T weight;
+    std::array<T, dimension> at;
+};
+template <class T>
+Numbers<T> numbers(const T& K, const T& A, const T& B, const T& C, const T& W) {
+    const T zero(0.0);
+    return {W + W, {A, B, C - K, C + K, zero, zero, zero, zero, zero, zero}};
+}
+template <class T>
+Numbers<T> numbers(const T& C, const T& b0, const std::array<T, 3>& b, const std::array<T, 3>& a) {
+    const T two(2.0);
+    return {C,
+            {-(two * b[0]), -(two * b[1]), -(two * b[2]), -(two * b0), -(a[0] * a[0]), -(a[1] * a[1]),
+             -(a[2] * a[2]), -(two * a[0] * a[1]), -(two * a[1] * a[2]), -(two * a[2] * a[0])}};
+}
+
+Numbers<Exact> exact_numbers(const FormFamily& family, FormId f) {
+    if (!family.is_circular(f)) {
+        const RadialForm& r = family.radial_form(f);
+        return numbers(r.c[0], r.b0, r.b, r.a);
+    }
+    const auto [K, A, B, C, W] = family.exact(f);
+    return numbers(K, A, B, C, W);
+}
+Numbers<double> rounded_numbers(const FormFamily& family, FormId f) {
+    if (!family.is_circular(f)) {
+        const RadialForm& r = family.radial_form(f);
+        const auto all = [](const std::array<Exact, 3>& v) {
+            return std::array<double, 3>{nearest(v[0]), nearest(v[1]), nearest(v[2])};
+        };
+        return numbers(nearest(r.c[0]), nearest(r.b0), all(r.b), all(r.a));
+    }
+    const CircularForm& c = family.forms[f];
+    return numbers(c.k, c.a, c.b, c.e, c.w);
+}
+bool takes_part(const FormFamily& family, FormId f) {
+    if (family.is_circular(f)) return true;
+    const RadialForm& r = family.radial_form(f);
+    return !r.is_hollow && r.a0.sign() == Sign::Zero && r.c[0].sign() == Sign::Positive;
+}
+
+using Point = Eigen::Matrix<double, dimension, 1>;
+
+// Where the form is in that space, but for rounding.
+Point point(const FormFamily& family, FormId f) {
+    const Numbers<double> n = rounded_numbers(family, f);
+    return Eigen::Map<const Point>(n.at.data()) / n.weight;
+}
+
+// Of a tube where it is nearest.
+double lowest(const Point& p) { return p[3] - p.head<3>().norm(); }
+
+struct Place {
+    FormId form;
+    Point at;
+};
+
+// The forms that are compared: those that come lowest.
+std::vector<Place> candidates(const FormFamily& family) {
+    std::vector<Place> places;
+    places.reserve(family.size());
+    for (FormId f{0}; f.value < family.size(); ++f.value)
+        if (takes_part(family, f)) places.push_back({f, point(family, f)});
+    const auto height = [](const Place& p) { return lowest(p.at); };
+    if (places.size() > most_compared) {
+        std::ranges::nth_element(places, places.begin() + most_compared, {}, height);
+        places.resize(most_compared);
+        std::ranges::sort(places, {}, &Place::form);
+    }
+    return places;
+}
+
+// Is c between f and g? Exact.
+bool is_between(const FormFamily& family, FormId c, FormId f, FormId g) {
+    const Numbers<Exact> C = exact_numbers(family, c), F = exact_numbers(family, f),
+                         G = exact_numbers(family, g);
+    const auto less = [&F](const Numbers<Exact>& h) {  // times both weights
+        std::array<Exact, dimension> way;
+        for (std::size_t i = 0; i < dimension; ++i) way[i] = h.at[i] * F.weight - F.at[i] * h.weight;
+        return way;
+    };
+    const std::array<Exact, dimension> u = less(C), v = less(G);
+    const auto along = std::ranges::find_if(v, [](const Exact& x) { return x.sign() != Sign::Zero; });
+    if (along == v.end()) return false;
+    const auto k = static_cast<std::size_t>(along - v.begin());
+    for (std::size_t i = 0; i < dimension; ++i)
+        if ((u[i] * v[k] - u[k] * v[i]).sign() != Sign::Zero) return false;
+    const Sign way = v[k].sign();
+    return u[k].sign() == way && (v[k] * C.weight - u[k] * G.weight).sign() == way;
+}
+
+}  // namespace
+
+std::vector<PencilTie> find_pencil_ties(const FormFamily& family) {
+    // Rounding does less than that to directions between points that are not next to each other.
+    constexpr double apart = 0x1p-20, alike = 0x1p-28;
+    const Point somewhere = Point::LinSpaced(0.2913, 0.7138);  // tells directions apart that are not alike
+    const std::vector<Place> places = candidates(family);
+    struct Ray {
+        Point direction;
+        double length, key;
+        FormId to;
+    };
+    std::vector<PencilTie> ties;
+    std::vector<Ray> rays;
+    for (const Place& from : places) {
+        rays.clear();
+        for (const Place& to : places) {
+            const Point way = to.at - from.at;
+            const double length = way.norm();
+            if (!(length > apart * (to.at.norm() + from.at.norm()))) continue;
+            rays.push_back({way / length, length, way.dot(somewhere) / length, to.form});
+        }
+        std::ranges::sort(rays, {}, &Ray::key);
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            for (std::size_t j = i + 1; j < rays.size() && rays[j].key - rays[i].key < alike; ++j) {
+                if (!((rays[i].direction - rays[j].direction).norm() < alike)) continue;
+                const bool is_first_nearer = rays[i].length < rays[j].length;
+                const FormId near = rays[is_first_nearer ? i : j].to, far = rays[is_first_nearer ? j : i].to;
+                // Each is found from both of its ends.
+                if (from.form < far && is_between(family, near, from.form, far))
+                    ties.push_back({near, {from.form, far}});
+            }
+    }
+    return ties;
+}
+
+}  // namespace vcell

@@ -1,0 +1,35 @@
+/// Over a sphere: which balls, planes and tubes tie with two others all along a curve, and are nowhere nearer
+/// than both.
+///
+/// What is left of a ray's way at p = t u, before it is as near to an object as to the base,
+///
+///     E(p, t) = C - 2 t (b0 + b.u) - t^2 (a.u)^2,   C > 0,
+///
+/// with the coefficients of radial_form.hpp, a = 0 for balls and planes, falls from C through one root: the
+/// place is nearer to the base as long as E > 0. Divided by C these are points of a space of ten dimensions.
+/// Three of them whose bisectors with the base meet in one curve are mostly of one pencil, on a line there,
+/// and the one between the others is their mean with positive weights: it is positive wherever both of them
+/// are, and zero there only where both are. So it is with two sides of the box and a ball whose bisector runs
+/// through the edge between them; with the centres of four balls of one radius, the base among them, at the
+/// corners of a rectangle; and with a ball or tube, its mirror image in the plane between the base and a ball
+/// of its radius, and that ball.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "form_family.hpp"
+
+namespace vcell {
+
+struct PencilTie {
+    FormId form;
+    std::array<FormId, 2> between;  ///< `form` is a mean of these, with weights greater than zero
+};
+
+/// Ties of that kind among the 32 forms that come lowest, exact; hollow tubes, cones and tubes that pierce
+/// the base take no part. Where coefficients agree in all but their last digits some may be left out. Pre:
+/// the family is a sphere's.
+std::vector<PencilTie> find_pencil_ties(const FormFamily& family);
+
+}  // namespace vcell
