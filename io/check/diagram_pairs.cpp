@@ -277,16 +277,13 @@ private:
     // Does a vertex of one cell of the pair lie on an edge of a cell of `object`, the other one, that belongs
     // to sites of it? Where neither scene moved and no cap is there, only one on a side of the box on an edge
     // between objects: each cell has a cap of its own, and what touches that or a side in a point is in no
-    // label.
+    // label. Where scenes moved, others that tie there may be nearer, and it lies at any vertex.
     bool lies_on_edge(const Pair& pair, std::uint32_t object, const Shared::Vertex& v) const {
         const auto is_of = [](Site::Kind kind) {
             return [kind](const PlacedSite& s) { return s.first.kind == kind; };
         };
-        const auto has_moved = [&](std::uint32_t i) {
-            return std::ranges::any_of(cells_of(i), [](const auto& c) { return c.second.report.moved > 0; });
-        };
-        const bool is_any = std::ranges::any_of(v.sites, is_of(Site::Kind::Cap)) || has_moved(pair.first) ||
-                            has_moved(pair.second.number);
+        const bool have_moved = has_moved(pair.first) || has_moved(pair.second.number);
+        const bool is_any = have_moved || std::ranges::any_of(v.sites, is_of(Site::Kind::Cap));
         if (!is_any && std::ranges::none_of(v.sites, is_of(Site::Kind::BoxSide))) return false;
         for (const auto& [number, cell] : cells_of(object)) {
             Shared::Vertex seen = v;
@@ -296,8 +293,15 @@ private:
                     std::ranges::includes(seen.sites, placed(object, cell, e.sites)) &&
                     least_distance(e.curve, seen.point) <= seen.error + e.error + rounding_)
                     return true;
+            if (have_moved && std::ranges::any_of(cell.vertices, [&](const CellVertex& w) {
+                    return (seen.point - w.point).norm() <= seen.error + w.error + rounding_;
+                }))
+                return true;
         }
         return false;
+    }
+    bool has_moved(std::uint32_t object) const {
+        return std::ranges::any_of(cells_of(object), [](const auto& c) { return c.second.report.moved > 0; });
     }
     // An upper bound, but for rounding, of the distance of a point from a curve: the least one of some
     // points, and of what golden sections beside that come to.

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "../../primitives/bases/radial_base.hpp"
 #include "../../primitives/forms/pencil_ties.hpp"
 #include "../test_support.hpp"
 
@@ -70,6 +71,40 @@ TEST_CASE("pencil ties: are all forms that lie between two others") {
         found += ties.size();
     }
     CHECK(found > 100u * static_cast<std::size_t>(rounds()));
+}
+
+// A ball about the origin, one beside it, and a tube with its mirror image in the plane between the two.
+TEST_CASE("pencil ties: a tube's mirror image between two balls is left out") {
+    Scene scene;
+    scene.base = Sphere{Vec3::Zero(), 0.5};
+    scene.box = {Vec3::Constant(-8), Vec3::Constant(8)};
+    double ahead = 3;  // of the image: twice the mirror's place less the tube's
+    bool is_tie = true;
+    double radius = 0.25;
+    SUBCASE("as it is") {}
+    SUBCASE("not where it would be nearer") {
+        ahead = 2.75;
+        is_tie = false;
+    }
+    SUBCASE("not of another radius") {
+        radius = 0.125;
+        is_tie = false;
+    }
+    scene.objects = {Sphere{{4, 0, 0}, 0.5}, Cylinder{{1, 2, 0}, {0, 1, 2}, 0.25},
+                     Cylinder{{ahead, 2, 0}, {0, 1, 2}, radius}};
+    const RadialBaseProblem problem = radial_base_problem(scene, 1);
+    std::size_t found = 0;
+    for (const PencilTie& tie : find_pencil_ties(problem.family)) {
+        const auto object = [&](FormId f) {
+            const Site site = problem.sites[f].front();
+            return site.is_object() ? site.index : 9;
+        };
+        if (problem.family.is_circular(tie.form)) continue;
+        ++found;
+        CHECK(object(tie.form) == 2);
+        CHECK(object(tie.between[0]) + object(tie.between[1]) == 1);
+    }
+    CHECK(found == (is_tie ? 1 : 0));
 }
 
 }  // namespace vcell::pencil_ties_test
