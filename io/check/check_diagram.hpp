@@ -9,11 +9,10 @@
 ///     number, or a probe that ends cells does not get from it to the box; of another one beyond the box, or
 ///     that the file says it lacks, nothing is said;
 ///   - pairs: two cells have as many faces between them, one area within both bounds, and the same vertices,
-///     by all objects among their sites and within both errors, those in which bisectors touch by their objects
-///     alone: what cell i has with the image s of ball j, cell j has
-///     with the image -s of ball i, moved by s (diagram_pairs.hpp). Cells of tubes that come in parts
-///     (parts.hpp) cut faces and edges: with these pairs have the same vertices where neither cell leaves
-///     anything out;
+///     by all objects among their sites and within both errors, those in which bisectors touch by their
+///     objects alone: what cell i has with the image s of ball j, cell j has with the image -s of ball i,
+///     moved by s (diagram_pairs.hpp). Cells of tubes that come in parts (parts.hpp) cut faces and edges:
+///     with these pairs have the same vertices where neither cell leaves anything out;
 ///   - the volumes' enclosures add up to one of the box's volume; where there are objects without a cell
 ///     here, or a probe ends cells, to no more.
 /// Nothing that computed the diagram takes part, but the rule by which one number stands for images that are

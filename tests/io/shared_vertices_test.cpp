@@ -2,8 +2,6 @@
 // in one period or another.
 #include <doctest/doctest.h>
 
-#include <algorithm>
-
 #include "../test_support.hpp"
 #include "stored_diagrams.hpp"
 
@@ -71,11 +69,11 @@ TEST_CASE("shared vertices: of cells that have them in different ways") {
         CHECK(e.where.ends_with(".curve"));
     }
 
-    // A vertex that is moved is missed by the other cell.
+    // A vertex that is moved is missed by the other cell. Little effort is enough for that.
+    if (diagram.cells.size() == 1) return;
     StoredDiagram damaged = diagram;
-    for (auto& [object, cell] : damaged.cells)
-        for (CellVertex& v : cell.vertices) v.point += Vec3::Constant(0.01);
-    CHECK(certify(damaged).count(Verdict::refuted) > 0);
+    for (CellVertex& v : damaged.cells.front().second.vertices) v.point += Vec3::Constant(0.01);
+    CHECK(has_verdict(certify(damaged, {.effort = 2}), "pairs[", Verdict::refuted));
 }
 
 TEST_CASE("shared vertices: around the twin of a ball among twins they are as well known as around it") {
