@@ -67,8 +67,8 @@ inline double surface_rounding(const Patch& patch, const SurfacePoint& s, const 
     return kRounding * (patch.control_size + s.pu.norm() * std::abs(uv.x()) + s.pv.norm() * std::abs(uv.y()));
 }
 
-/// How far u and v move at most per length on the surface; infinite where that is a point or a curve there, as
-/// patches are that are as small as the spacing of doubles.
+/// How far u and v move at most per length on the surface; infinite where that is a point or a curve there,
+/// as patches are that are as small as the spacing of doubles.
 inline Vec2 parameters_per_length(const SurfacePoint& s) {
     const double area = s.pu.cross(s.pv).norm();
     return area > 0 ? Vec2(Vec2(s.pv.norm(), s.pu.norm()) / area) : Vec2::Constant(HUGE_VAL);

@@ -35,21 +35,10 @@ TEST_CASE("shared vertices: of cells that have them in different ways") {
         scene = room(2, true, true, true);
         scene.objects = {Sphere{{0, 0, 0}, 0.25}, Cylinder{{1, 1, 0}, {0, -1, 0}, 0.25}};
     }
-    SUBCASE("a side of the box through the tip of a cell") {
-        scene = room(2, true, false, false);
-        scene.objects = {Sphere{{0, 1.5, 1}, 0}, Sphere{{1.5, 1.5, 0.5}, 0},
-                         Cylinder{{1.5, 0.5, 0.5}, {1, 1, 0}, 0}};
-    }
-    SUBCASE("a side of the box that touches an edge") {
-        scene = room(2, true, true, false);
-        scene.objects = {Sphere{{0, 1, 1.5}, 0},
-                         Sphere{{0, 1, 0.5}, 0},
-                         Sphere{{1.5, 0, 0.5}, 0},
-                         Sphere{{0.5, 0, 1.5}, 0},
-                         Sphere{{1.5, 0.5, 1}, 0},
-                         Cylinder{{0.5, 0, 1}, {0, -1, 1}, 0},
-                         Cylinder{{0.5, 1, 0.5}, {1, -1, 1}, 0},
-                         Cylinder{{1, 1.5, 1.5}, {0, 0, -1}, 0}};
+    SUBCASE("a bisector through a corner of the box, over a plane whose scene has moved") {
+        scene = room(6, false, false, false);
+        scene.objects = {Plane{{1, 4, 2}, {1, 1, -1}}, Sphere{{5, 5, 3}, 0}, Sphere{{5, 5, 5}, 0},
+                         Sphere{{2, 3, 4}, 0.5}, Sphere{{3, 4, 3}, 0.5}};
     }
     SUBCASE("rods along diagonals, all of whose scenes have moved") {
         scene = room(2, true, false, false);
