@@ -67,7 +67,7 @@ Point point(const FormFamily& family, FormId f) {
     return Eigen::Map<const Point>(n.at.data()) / n.weight;
 }
 
-// Of a tube where it is nearest.
+// How low the form comes; a tube's square is left out, as this only chooses what is compared.
 double lowest(const Point& p) { return p[3] - p.head<3>().norm(); }
 
 struct Place {

@@ -5,7 +5,7 @@
 ///
 ///     E(p, t) = C - 2 t (b0 + b.u) - t^2 (a.u)^2,   C > 0,
 ///
-/// with the coefficients of radial_form.hpp, a = 0 for balls and planes, falls from C through one root: the
+/// with the coefficients of radial_form.hpp, a = 0 for balls and planes, has one root t > 0 at most: the
 /// place is nearer to the base as long as E > 0. Divided by C these are points of a space of ten dimensions.
 /// Three of them whose bisectors with the base meet in one curve are mostly of one pencil, on a line there,
 /// and the one between the others is their mean with positive weights: it is positive wherever both of them
