@@ -38,8 +38,8 @@ Functional functional(const RadialBaseProblem& problem, FormId f) {
     return {plane.normal, length, 0, k + problem.chart.radius * length};
 }
 
-// A positive multiple, seen in the chart's frame: of the form's exact coefficients, as the differences of
-// those of objects that all but coincide are lost where their places are rounded.
+// This is a positive multiple of the functional, in the chart's frame, but for k. It is made of the form's
+// exact coefficients: where places are rounded, objects that all but coincide are one.
 struct ExactFunctional {
     ExactVector b;
     Exact b0, square;

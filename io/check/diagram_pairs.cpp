@@ -259,12 +259,12 @@ private:
             if (twin != last)
                 is_taken[twin - b.vertices.begin()] = 1;
             else if (!is_double(v, b.vertices) &&
-                     !lies_on_edge(pair, pair.second.number, moved_back(v, pair.second.image)))
+                     !lies_on_edge_or_vertex(pair, pair.second.number, moved_back(v, pair.second.image)))
                 return only_one_has(v);
         }
         for (std::size_t i = 0; i < b.vertices.size(); ++i)
             if (is_taken[i] == 0 && !is_double(b.vertices[i], a.vertices) &&
-                !lies_on_edge(pair, pair.first, b.vertices[i]))
+                !lies_on_edge_or_vertex(pair, pair.first, b.vertices[i]))
                 return only_one_has(b.vertices[i]);
         return {};
     }
@@ -275,10 +275,11 @@ private:
     }
 
     // Does a vertex of one cell of the pair lie on an edge of a cell of `object`, the other one, that belongs
-    // to sites of it? Where neither scene moved and no cap is there, only one on a side of the box on an edge
-    // between objects: each cell has a cap of its own, and what touches that or a side in a point is in no
-    // label. Where scenes moved, others that tie there may be nearer, and it lies at any vertex.
-    bool lies_on_edge(const Pair& pair, std::uint32_t object, const Shared::Vertex& v) const {
+    // to sites of it? Each cell has a cap of its own, and what touches that or a side of the box in a point
+    // is in no label: a vertex on a cap may lie on any such edge, one on a side on those between objects.
+    // Where scenes moved, it may lie on any such edge, or at any vertex, as others that tie there may be
+    // nearer.
+    bool lies_on_edge_or_vertex(const Pair& pair, std::uint32_t object, const Shared::Vertex& v) const {
         const auto is_of = [](Site::Kind kind) {
             return [kind](const PlacedSite& s) { return s.first.kind == kind; };
         };

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t most_compared = 32;
 
-// E, times a positive number: C and, with all signs changed, the coefficients of t b, t b0 and t^2 a a.
+// These stand for E times a positive number: `weight` for C, `at` for the coefficients of t and t^2 as E has
+// them, their signs included.
 constexpr std::size_t dimension = 10;
 template <class T>
 struct Numbers {
@@ -61,7 +62,7 @@ bool takes_part(const FormFamily& family, FormId f) {
 
 using Point = Eigen::Matrix<double, dimension, 1>;
 
-// Where the form is in that space, but for rounding.
+// This is where the form is in that space, but for rounding.
 Point point(const FormFamily& family, FormId f) {
     const Numbers<double> n = rounded_numbers(family, f);
     return Eigen::Map<const Point>(n.at.data()) / n.weight;
@@ -75,7 +76,7 @@ struct Place {
     Point at;
 };
 
-// The forms that are compared: those that come lowest.
+// These are compared, as they come lowest.
 std::vector<Place> candidates(const FormFamily& family) {
     std::vector<Place> places;
     places.reserve(family.size());

@@ -37,7 +37,7 @@ const char* to_string(Outcome outcome) {
 
 namespace {
 
-// The worst that a certificate finds, if anything.
+// This tells the worst that a certificate finds, if anything.
 std::optional<Trial> fault_in(const Certificate& certificate) {
     for (const auto& [verdict, outcome] :
          {std::pair(Verdict::refuted, Outcome::Wrong), std::pair(Verdict::open, Outcome::Open)}) {

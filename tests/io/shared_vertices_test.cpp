@@ -49,7 +49,7 @@ TEST_CASE("shared vertices: of cells that have them in different ways") {
     const StoredDiagram diagram = stored(scene, true);
     CHECK(diagram.cells.size() + diagram.lacking.size() >= scene.objects.size());
     CHECK(diagram.cells.size() >= 1);
-    // Of edges along which two bisectors all but agree some are open.
+    // Some edges along which two bisectors all but agree are open.
     for (const Element& e : certify(diagram).elements) {
         if (e.verdict == Verdict::proved) continue;
         CAPTURE(e.where);
