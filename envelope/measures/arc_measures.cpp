@@ -83,17 +83,6 @@ struct Side {
     double sign;
 };
 
-// Bounds on what the integrals along a span change by when its curve moves by a length across it, times those
-// lengths: of f(t) b.(p x dp) it is t |f'| + 2 f at most (RoundFace::volume_slope()). The area's factor f is
-// c / (2 root) M / (t + d2), and M, the mean of a growing concave function of slope c / (2 root) in d1, grows
-// by half of that at most: f' is no more than its share of that, and no less than -f / (t + d2).
-static double area_slope(const RoundFace& f, double near, double far) {
-    if (f.shape == RoundFace::Shape::Flat) return 1;
-    const double scale = 0.5 * f.c / f.root,
-                 factor = scale * std::sqrt(far * (far + std::abs(f.delta))) / (near + f.d2);
-    return 2 * factor + std::max(factor, 0.5 * scale * scale * far / (far + f.d2));
-}
-
 class SpanMeasurer {
 public:
     // The curve is within `off` of the true one.
@@ -204,7 +193,7 @@ private:
             of_volume = scale / 12 * (far + f.d1);
             of_area = scale * std::sqrt(far * (far + std::abs(f.delta))) / (2 * f.root);
         }
-        sum.area.error += of_area * error + strip * area_slope(f, near, far);
+        sum.area.error += of_area * error + strip * f.area_slope(near, far);
         sum.volume.error += of_volume * error + strip * f.volume_slope(near, far);
         sum.both.error += f.c / 6 * (error + 2 * strip);
     }

@@ -146,9 +146,10 @@ struct RoundFace {
     };
     template <class T>
     Factors<T> factors(const T& t) const;
-    /// Bound on how the volume changes, to first order, where a stretch of a curve with near <= t <= far
+    /// Bounds on how volume and area change, to first order, where a stretch of a curve with near <= t <= far
     /// leaves its place: times its length and the distance.
     double volume_slope(double near, double far) const;
+    double area_slope(double near, double far) const;
     double distance(const Ray& ray) const;
     Share share(const Ray& ray) const;
     Share size(const Ray& ray) const;

@@ -375,8 +375,9 @@ private:
     }
 
     // What an edge that is off by `error` changes: strips of its length, which may itself be off by as much
-    // at either end. Of a conic the integrand's own derivative across the strip counts; elsewhere the gap
-    // between the two bisectors, which closes towards the true edge. Both doubled, and to first order.
+    // at either end. Of a conic the integrands' own derivatives across the strip count, which rays
+    // that graze the bisector make large; elsewhere the gap between the two bisectors, which closes towards
+    // the true edge. Both doubled, and to first order.
     void add_position_error(double error, std::uint32_t left, std::uint32_t right, const RadialIntegrals& sum,
                             bool is_smooth, Sums& sums) const {
         const double length = 2 * sum.length.value + 4 * error;
@@ -385,12 +386,13 @@ private:
                 const auto& round = std::get<radial_integrals::RoundFace>(faces_[side]);
                 const double near = std::max(0.0, sum.distance[0] - error), far = sum.distance[1] + error;
                 sums.volume.add(0, length * error * round.volume_slope(near, far));
+                sums.areas.push_back({side, 0, length * error * round.area_slope(near, far)});
             }
         } else {
             sums.volume.add(0, length * (error + sum.gap.from_curve) * sum.gap.apart);
+            for (const std::uint32_t side : {left, right})
+                if (side != no_face) sums.areas.push_back({side, 0, length * (error + sum.gap.from_curve)});
         }
-        for (const std::uint32_t side : {left, right})
-            if (side != no_face) sums.areas.push_back({side, 0, length * (error + sum.gap.from_curve)});
     }
 
     const RadialBaseProblem& problem_;

@@ -127,6 +127,44 @@ double RoundFace::volume_slope(double near, double far) const {
     return c / 12 * (2 * most + std::abs(delta) / (near + d2));
 }
 
+// Of areas likewise, with the factors below.
+//
+// *Hyperboloids.* f = c / (2 root) M / (t + d2), M the mean of r(x) = sqrt(x (x + delta)) from d1 to t, which
+// grows and is concave. Its slope is that of r at d1, c / (2 root), by half at most; and as t M' is the mean
+// of t (x - d1) / (t - d1) r' <= x r', at most M times the largest of x r' / r, which is 1, or c / (2 d2)
+// where delta < 0. What t + d2 takes is no more than f.
+//
+// *Paraboloids.* With x = sqrt(t / d1), t f' = x^2 (x + 2) / (6 (x + 1)^2) < f / 2, and f grows.
+//
+// *Ellipsoids.* r(x) = sqrt(x (delta - x)) has root <= r <= delta / 2 and a slope of c / (2 root) at most
+// from d1 to d2, its mean M half of that.
+//
+// *Closed ones.* Over the unit sphere the form is g b.(u x du) with g = (m1 - m2) / 2, of size |g'| + 2 |g|,
+// and the mean times the solid angle. h(z) = dS / d omega = t^2 sqrt(t (delta - t)) / root has the slope
+//     (5 delta - 6 t) t^2 / (2 root sqrt(t (delta - t))) dt / dz,   dt / dz = -c t^2 / (2 d1 d2),
+// H = 5 delta c (d2 / d1)^2 / 4 at most. Means over both sides of z have middles 1 apart, so 2 |g| <= H, and
+// each one's slope is half of that at most.
+double RoundFace::area_slope(double near, double far) const {
+    switch (shape) {
+        case Shape::Flat: return 1;
+        case Shape::Paraboloid: return 2.5 * factors(far).area;
+        case Shape::Ellipsoid: {
+            const double room = d2 - far;
+            if (!(room > 0)) return infinity;
+            return c / (2 * root * room) * (far * c / (4 * root) + 0.5 * delta * (2 + far / room));
+        }
+        case Shape::Closed: {
+            const double slope = 1.25 * delta * c * square(d2 / d1);
+            return (1.5 * slope + mean().area) / (near * near);
+        }
+        case Shape::Hyperboloid: break;
+    }
+    const double scale = 0.5 * c / root, factor = scale * sqrt(far * (far + std::abs(delta))) / (near + d2),
+                 part = delta < 0 ? std::max(1.0, 0.5 * c / d2) : 1,
+                 growth = std::min(part * factor, 0.5 * scale * scale * far / (far + d2));
+    return 2 * factor + std::max(factor, growth);
+}
+
 static double largest(double x) { return x; }
 template <class Derived>
 double largest(const Eigen::ArrayBase<Derived>& x) {

@@ -4,6 +4,10 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
+#include <map>
+#include <vector>
+
 #include "../../envelope/whole/void_network.hpp"
 #include "../../io/pictures/diagram_output.hpp"
 #include "arrays.hpp"
@@ -37,10 +41,11 @@ class Listener {
 public:
     Listener(py::object progress, py::object visit) : watch_(std::move(progress)), visit_(std::move(visit)) {}
 
-    DiagramOptions options(unsigned threads, bool bodies = false) {
+    DiagramOptions options(unsigned threads, bool bodies = false, bool complete = false) {
         DiagramOptions result;
         result.threads = threads;
         result.bodies = bodies;
+        result.complete = complete;
         result.progress = [this](double fraction) { watch_(fraction); };
         if (!visit_.is_none())
             result.visit = [this](std::uint32_t object, const Cell& cell) {
@@ -173,6 +178,16 @@ void bind_table(py::module_& m) {
         .def_property_readonly(
             "moved", [](const Diagram& d) { return d.diagram.moved; },
             "A bound on how far coordinates were moved, to a grid on which the box repeats.")
+        .def_property_readonly(
+            "periods",
+            [](const Diagram& d) {
+                std::map<std::uint32_t, std::vector<std::array<std::int16_t, 3>>> result;
+                for (const ObjectImage& period : d.diagram.periods)
+                    result[period.number].push_back(period.image);
+                return result;
+            },
+            "Moves by so many edges of the box that leave planes and cylinders as they are, for each object that has "
+            "any: {number: [[i, j, k], ...]}. Images in contacts stand for all that differ by such a move.")
         .def(
             "contacts", [](const Diagram& d) { return contacts(d.diagram); },
             "A ContactTable of all pairs of neighbours.")
@@ -211,7 +226,7 @@ void bind_table(py::module_& m) {
         [](const DiagramScene& scene, unsigned threads, py::object progress, py::object visit, bool bodies,
            const std::vector<std::filesystem::path>& outputs, double chord,
            const std::optional<std::pair<std::string, double>>& cut,
-           std::optional<std::size_t> most_triangles) {
+           std::optional<std::size_t> most_triangles, bool complete) {
             DiagramFileOptions how;
             how.chord = chord;
             how.most_triangles = most_triangles;
@@ -228,7 +243,7 @@ void bind_table(py::module_& m) {
                 std::vector<std::string> paths;
                 for (const std::filesystem::path& path : outputs) paths.push_back(path.string());
                 DiagramFiles files(paths, how);
-                result.diagram = files.compute(result.scene, listener.options(threads, bodies));
+                result.diagram = files.compute(result.scene, listener.options(threads, bodies, complete));
                 files.commit();
                 size = files.mesh_size();
             }
@@ -245,7 +260,7 @@ void bind_table(py::module_& m) {
         py::arg("visit") = py::none(), py::arg("bodies") = false,
         py::arg("outputs") = std::vector<std::filesystem::path>(),
         py::arg("chord") = DiagramFileOptions().chord, py::arg("cut") = py::none(),
-        py::arg("most_triangles") = py::none(),
+        py::arg("most_triangles") = py::none(), py::arg("complete") = false,
         "The cells of all objects, each proved to be that among all others. What one cell runs into is in its "
         "state.\n\n"
         "threads: 0 is as many as there are cores; the result is the same for any number.\n"
@@ -260,7 +275,8 @@ void bind_table(py::module_& m) {
         "chord: of meshes, as a part of a cell's diagonal.\n"
         "cut: the plane of a .svg, like (\"z\", 0.5).\n"
         "most_triangles: of all meshes together. Where there would be more the chord grows, which a UserWarning tells. "
-        "All cells are computed twice or three times.\n\n"
+        "All cells are computed twice or three times.\n"
+        "complete: visit sees the complete cells of planes (two, one on each side) and cylinders, too, files or not.\n\n"
         "Ctrl-C ends it. Raises InputError, WriteError; ValueError where edges alone ask for more than most_triangles.");
 }
 

@@ -100,6 +100,19 @@ def test_a_lattice_that_repeats():
     assert np.all(np.abs(network.edge_images).sum(axis=1) == 1)
 
 
+def test_tubes_that_repeat_have_periods_and_complete_cells():
+    tubes = [vcell.Cylinder((0.5, 0.5, 0), (0, 0, 1), 0.2), vcell.Cylinder((1.5, 1.5, 0), (1, 1, 0), 0.1)]
+    scene = vcell.DiagramScene(tubes + [vcell.Sphere((1.5, 0.5, 0.5), 0.2)], [(0, 0, 0), (2, 2, 2)], periodic=(True,) * 3)
+    seen = []
+    diagram = vcell.diagram(scene, visit=lambda i, cell: seen.append((i, cell.is_complete)), complete=True)
+    assert diagram.states == ["computed"] * 3 and diagram.filled_volume().fills
+    assert diagram.periods == {0: [[0, 0, 1]], 1: [[1, 1, 0]]}
+    assert [i for i, _ in seen] == [0, 1, 2] and all(complete for i, complete in seen if i < 2)
+    seen.clear()
+    vcell.diagram(scene, visit=lambda i, cell: seen.append((i, cell.is_complete)))
+    assert [i for i, _ in seen] == [2]
+
+
 def test_void_network_vertices_are_the_farthest_places(balls):
     network = vcell.void_network(vcell.DiagramScene(balls, box))
     to_balls = np.linalg.norm(network.vertex_points[:, None] - balls[None, :, :3], axis=2) - balls[:, 3]
