@@ -46,7 +46,7 @@ ArcGuide::Rays ArcGuide::rays(const Chart::Part& part) const {
     const Interval x(x0, x1), y(y0, y1);
     Rays r{chart_.foot(x, y), normal(x, y, part.is_back), {}, {}};
     for (const int k : {0, 1}) {
-        const Equation& G = equations_[k == 0 ? 1 : equations_.right];
+        const Equation& G = equations_.sites[k];
         const Interval t = G.distance_along(r.foot, r.normal);
         r.doubts[k] = G.doubt_along(r.foot, r.normal, t);
         r.distances[k] = t + r.doubts[k];
@@ -88,7 +88,7 @@ SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack)
         return Interval(std::min(v[i], w[i]), std::max(v[i], w[i])) + Interval::ball(0, room);
     };
     const Vector3i foot{Interval(0), Interval(y), Interval(0)}, normal{over(0), Interval(0), over(2)};
-    const Interval t = equations_[1].distance_along(foot, normal);
+    const Interval t = equations_.sites[0].distance_along(foot, normal);
     SpaceBox corners = nowhere;
     extend(corners, {t * normal[0], Interval(y), t * normal[2], t});
     return corners;
@@ -96,7 +96,7 @@ SpaceBox ArcGuide::rim_enclosure(const Node& from, const Node& to, double slack)
 
 template <class T>
 T ArcGuide::distance_along(int k, const T& x, const T& y, bool is_back) const {
-    return equations_[k == 0 ? 1 : equations_.right].distance_along(chart_.foot(x, y), normal(x, y, is_back));
+    return equations_.sites[k].distance_along(chart_.foot(x, y), normal(x, y, is_back));
 }
 
 std::array<Interval, 4> ArcGuide::over(const StripPart& strip, bool is_back, int k,
@@ -208,9 +208,9 @@ std::optional<Vec2> ArcGuide::meet(const Vec2& q, const Piece& piece) const {
     return found && holds(piece.box, *found) ? found : bisect(q, piece);
 }
 
-// Where the ray over a point meets the bisector of equation k.
+// Where the ray over a point meets the bisector of site k.
 Vector4d ArcGuide::met(int k, const Vec3& foot, const Vec3& normal) const {
-    const double t = equations_[k].distance_along(foot, normal);
+    const double t = equations_.sites[k].distance_along(foot, normal);
     Vector4d X;
     X << t * normal + foot, t;
     return X;
@@ -230,10 +230,10 @@ std::optional<Vec2> ArcGuide::bisect(const Vec2& q, const Piece& piece) const {
     const auto is_left_nearer = [&](double s) {
         const Vec2 p = q + s * d;
         const Vec3 foot = chart_.foot(p), normal = chart_.normal(p);
-        if (equations_.has_difference()) return equations_[2](met(1, foot, normal)) > 0;
+        if (equations_.has_difference) return equations_[2](met(0, foot, normal)) > 0;
         // Negative or infinite distances are those of rays that do not get there.
-        return 1 / equations_[1].distance_along(foot, normal) >
-               1 / equations_[equations_.right].distance_along(foot, normal);
+        return 1 / equations_.sites[0].distance_along(foot, normal) >
+               1 / equations_.sites[1].distance_along(foot, normal);
     };
     if (!(low < high) || !is_left_nearer(low) || is_left_nearer(high)) return std::nullopt;
     for (int i = 0; i < halvings; ++i) {
@@ -250,9 +250,10 @@ std::optional<Vec2> ArcGuide::approach(Vec2 q, const Vec2& direction) const {
     for (int i = 0; i < enough; ++i) {
         const Vec3 f = chart_.foot(q), w = chart_.normal(q);
         const Vec3 moving = chart_.foot(direction), turning = chart_.normal_derivative(q, direction);
-        if (equations_.has_difference()) {
+        if (equations_.has_difference) {
             // Along the left one's bisector.
-            const Vector4d X = met(1, f, w), g = equations_[1].gradient(X), h = equations_[2].gradient(X);
+            const Vector4d X = met(0, f, w), g = equations_.sites[0].gradient(X),
+                           h = equations_[2].gradient(X);
             const Vec3 across = X[3] * turning + moving;
             const double rise = g.head<3>().dot(across) / (-g[3] - g.head<3>().dot(w));
             const double value = equations_[2](X),
@@ -264,7 +265,7 @@ std::optional<Vec2> ArcGuide::approach(Vec2 q, const Vec2& direction) const {
         }
         std::array<double, 2> t, slope;
         for (int k = 0; k < 2; ++k) {
-            const Equation& G = equations_[k == 0 ? 1 : equations_.right];
+            const Equation& G = equations_.sites[k];
             t[k] = G.distance_along(f, w);
             Vector4d X;
             X << t[k] * w + f, t[k];

@@ -36,8 +36,8 @@ public:
     // The point over a chart point, by the heights of both sides.
     Vector4d lifted(const Vec2& q) const { return over(chart_.foot(q), chart_.normal(q)); }
     Vector4d over(const Vec3& foot, const Vec3& normal) const {
-        double t = equations_[1].distance_along(foot, normal);
-        if (!arc_.pieces.empty()) t = 0.5 * (t + equations_[equations_.right].distance_along(foot, normal));
+        double t = equations_.sites[0].distance_along(foot, normal);
+        if (!arc_.pieces.empty()) t = 0.5 * (t + equations_.sites[1].distance_along(foot, normal));
         Vector4d X;
         X << t * normal + foot, t;
         return X;

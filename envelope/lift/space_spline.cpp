@@ -101,14 +101,16 @@ public:
           foot_(arc.start            ? chart.foot_below(arc.start->point)
                 : arc.pieces.empty() ? chart.foot_below(std::get<Plane>(arc.sites[1].object).point)
                                      : chart.foot(arc.pieces.back().end)) {
-        auto& equations = equations_.equations;
-        equations[0] = base_equation(chart, foot_);
-        for (int i = 0; i < 2; ++i) equations[i + 1] = equation_of(chart, arc.sites[i], foot_);
+        equations_.set(base_equation(chart, foot_), equation_of(chart, arc.sites[0], foot_),
+                       equation_of(chart, arc.sites[1], foot_));
         if (arc.sites_cross) take_plane();
-        if (arc.twins && !equations_.is_replaced())
-            equations_.tell_apart(*arc.twins, first_point());
+        if (!arc.start && arc.pieces.empty()) return;
+        const Vector4d X = first_point();
+        if (arc.twins && !equations_.is_replaced)
+            equations_.tell_apart(*arc.twins, X);
         else if (!arc.pieces.empty())
-            equations_.tell_apart(first_point());
+            equations_.tell_apart(X);
+        equations_.tell_from_base(X);
     }
 
     SpaceFitError run(double tolerance, std::vector<SpaceSpan>& spans, FitEffort& effort) const {
@@ -147,10 +149,8 @@ private:
         const Vec3& n = normals[std::abs(normals[1].dot(p)) < std::abs(normals[0].dot(p))];
         const double side =
             n.dot((equations_[2].gradient(*inner) - equations_[1].gradient(*inner)).head<3>());
-        auto& equations = equations_.equations;
-        equations_.right = 3;
-        equations[3] = equations[2];
-        equations[2] = Equation::between(center, side > 0 ? n : Vec3(-n), rounding / (least * least));
+        equations_.replace_right(
+            Equation::between(center, side > 0 ? n : Vec3(-n), rounding / (least * least)));
     }
     Vector4d first_point() const {
         return arc_.start ? chart_.with_distance(arc_.start->point) : guide_.lifted(arc_.pieces.back().end);

@@ -205,15 +205,15 @@ double TrimProof::trim_error(int side, const Points& points, const LocalEquation
     M.row(1) = local.frame.gradients[side + 1];
     std::array<double, 4> variations{local.variations[0], local.variations[side + 1]},
         e{residuals_.curve[0], residuals_.curve[side + 1]};
-    if (side == 1 && equations.is_replaced()) {
-        const Equation& right = equations[equations.right];
+    if (side == 1 && equations.is_replaced) {
+        const Equation& right = equations.bisectors[1];
         M.row(1) = right.gradient(D.center);
         variations[1] = right.variation(D.center, right.reach(D.center, points, D.room));
         e[1] = residuals_.right;
     }
     // A graph over the base plane: the patch's point is above or below the curve's, and may be so where the
     // graph is so steep that nothing else tells.
-    const Equation& site = equations[side == 1 ? equations.right : 1];
+    const Equation& site = equations.sites[side];
     if (is_projection(coordinates) && site.fall() > 0) return e[0] + e[1] / site.fall();
     for (int i = 0; i < 2; ++i) {
         const PatchCoordinate& c = coordinates[i];

@@ -184,12 +184,14 @@ public:
         q.l << -2 * way + 0.5 * (along * axes + aside * tilt), -2 * left.kappa_ * grown;
         q.k = -grown * (left.delta_ + right.delta_) - 0.25 * along * aside;
         Equation e = quadric(q, near, 0.5 * (left.point_ + right.point_));
+        e.delta_ = std::abs(left.delta_) + std::abs(right.delta_);
+        e.reach_ = left.reach_ + right.reach_;
+        // Of the base, a ball about the origin, nothing is rounded.
+        if (left.axis_ == Vec3::Zero() && left.point_ == Vec3::Zero()) return e;
         e.is_rounded_ = true;
         // About the difference of the distances: over its small gradient what rounding leaves of it would
         // look like a span that is far off.
         e.scale_ = 0.5 / left.from_axis(near).norm();
-        e.delta_ = std::abs(left.delta_) + std::abs(right.delta_);
-        e.reach_ = left.reach_ + right.reach_;
         return e;
     }
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
@@ -455,31 +457,47 @@ struct Node {
     bool ends_piece = false;   // of its guide, or all but does
 };
 
-// The equations of the base, of the left and of the right site. Where a plane through the arc stands for
-// the right one, or its difference from the left one, the site's own is the fourth.
+// The equations of the base, of the left and of the right site.
 struct ArcEquations {
-    std::array<Equation, 4> equations;
-    int right = 2;  // where the right site's is
+    std::array<Equation, 3>
+        equations;                  // of the base and of both bisectors; or what takes the right one's place
+    std::array<Equation, 2> sites;  // their own, which tell distances along rays
+    // Beside the base's equation each tells where its site is as far as the base.
+    std::array<Equation, 2> bisectors;
+    // Does a plane through the arc, or the difference of the sites, stand for the right one's?
+    bool is_replaced = false;
+    bool has_difference = false;
 
     const Equation& operator[](int i) const { return equations[i]; }
-    bool is_replaced() const { return right > 2; }
-    // Is it the difference of the sites?
-    bool has_difference() const { return is_replaced() && equations[2].is_quadric(); }
 
-    // Where the sites are all but alike at X their equations depend on each other so nearly that each alone
-    // would be told from the other on the shortest of spans only: the difference takes the right one's place.
-    void tell_apart(const Vector4d& X) {
-        if (is_replaced() || !Equation::are_alike(equations[1], equations[2], X)) return;
-        right = 3;
-        equations[3] = equations[2];
-        equations[2] = Equation::difference(equations[1], equations[3], X);
+    void set(const Equation& base, const Equation& left, const Equation& right) {
+        sites = bisectors = {left, right};
+        equations = {base, left, right};
+    }
+    void replace_right(const Equation& by) {
+        is_replaced = true;
+        equations[2] = by;
     }
 
+    // Equations of what is all but alike at X depend on each other so nearly that each alone would be told
+    // from the other on the shortest of spans only: a difference takes the place of one. Of a site and the
+    // base it is that of the site.
+    void tell_from_base(const Vector4d& X) {
+        for (int i = 0; i < 2; ++i) {
+            if (!Equation::are_alike(equations[0], sites[i], X)) continue;
+            bisectors[i] = Equation::difference(equations[0], sites[i], X);
+            if (i == 0 || !is_replaced) equations[i + 1] = bisectors[i];
+        }
+    }
+    void tell_apart(const Vector4d& X) {
+        if (is_replaced || !Equation::are_alike(sites[0], sites[1], X)) return;
+        replace_right(Equation::difference(sites[0], sites[1], X));
+        has_difference = true;
+    }
     // Twins' quadric tells them apart to a part of their difference.
     void tell_apart(const SpaceQuadric& twins, const Vector4d& X) {
-        right = 3;
-        equations[3] = equations[2];
-        equations[2] = Equation::quadric(twins, X);
+        replace_right(Equation::quadric(twins, X));
+        has_difference = true;
     }
 
     Frame frame(const Vector4d& X) const {

@@ -21,7 +21,8 @@
 /// and the trisector has a node. Each of its curves lies in a plane between the axes; the plane's equation
 /// may then stand for that of the right site, except for the trim. Where the sites are two balls or two tubes
 /// that are all but alike, the difference of their equations does: its gradient, which tells where the arc
-/// is, is as small as the objects are apart, and changes by as little.
+/// is, is as small as the objects are apart, and changes by as little. Where a site is all but the base, the
+/// difference of these two stands for that of the site, for the trim as well.
 ///
 /// Both ends of a span lie on the arc. First and second derivative at both ends, by the length of the curve
 /// (p, t), follow from the equations and make a quintic that errs by the sixth power of the span. Steps of

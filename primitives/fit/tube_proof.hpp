@@ -64,7 +64,7 @@ struct Neighbourhood {
 // Step 1: of the three equations.
 struct Residuals {
     std::array<double, 3> curve;
-    double right;  // of the right site's equation, where a plane's is in its place
+    double right;  // of the right site's equation, where another one is in its place
 };
 
 // What the equations are over D, and may do there.
@@ -100,7 +100,7 @@ public:
 
     Residuals residuals(const SpanPolynomials& span) const {
         return {{equations_[0].residual(span), equations_[1].residual(span), equations_[2].residual(span)},
-                equations_.is_replaced() ? equations_[equations_.right].residual(span) : 0};
+                equations_.is_replaced ? equations_.bisectors[1].residual(span) : 0};
     }
     LocalEquations local(const Points& points, const Neighbourhood& D) const;
     LocalEquations local(const Points& points) const {
