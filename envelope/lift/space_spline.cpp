@@ -222,9 +222,12 @@ private:
 std::optional<SpaceEnd> settle_point(const BaseChart& chart, const std::array<SpaceSite, 3>& sites,
                                      const SpaceEnd& near) {
     const Vec3 foot = chart.foot_below(near.point);
-    const std::array equations{base_equation(chart, foot), equation_of(chart, sites[0], foot),
-                               equation_of(chart, sites[1], foot), equation_of(chart, sites[2], foot)};
     const Vector4d center = chart.with_distance(near.point);
+    const Equation base = base_equation(chart, foot);
+    const auto beside = [&](int i) {
+        return Equation::beside(base, equation_of(chart, sites[i], foot), center);
+    };
+    const std::array equations{base, beside(0), beside(1), beside(2)};
     const double radius = 2 * sqrt2 * near.error;
     Matrix4d M;
     std::array<double, 4> variations, e;

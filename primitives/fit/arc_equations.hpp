@@ -203,7 +203,12 @@ public:
         return turn(a, b, X) < share * (1 / da + 1 / db);
     }
 
-    bool is_quadric() const { return quadric_ != nullptr; }
+    // Beside the base's equation: what tells where the site is as far as the base. Equations of what is all
+    // but alike at X depend on each other so nearly that each alone would be told from the other on the
+    // shortest of spans only: their difference takes the site's place.
+    static Equation beside(const Equation& base, const Equation& site, const Vector4d& X) {
+        return are_alike(base, site, X) ? difference(base, site, X) : site;
+    }
 
     double operator()(const Vector4d& X) const {
         if (quadric_) {
@@ -462,8 +467,7 @@ struct ArcEquations {
     std::array<Equation, 3>
         equations;                  // of the base and of both bisectors; or what takes the right one's place
     std::array<Equation, 2> sites;  // their own, which tell distances along rays
-    // Beside the base's equation each tells where its site is as far as the base.
-    std::array<Equation, 2> bisectors;
+    std::array<Equation, 2> bisectors;  // what tells each of them beside the base's
     // Does a plane through the arc, or the difference of the sites, stand for the right one's?
     bool is_replaced = false;
     bool has_difference = false;
@@ -479,16 +483,12 @@ struct ArcEquations {
         equations[2] = by;
     }
 
-    // Equations of what is all but alike at X depend on each other so nearly that each alone would be told
-    // from the other on the shortest of spans only: a difference takes the place of one. Of a site and the
-    // base it is that of the site.
     void tell_from_base(const Vector4d& X) {
-        for (int i = 0; i < 2; ++i) {
-            if (!Equation::are_alike(equations[0], sites[i], X)) continue;
-            bisectors[i] = Equation::difference(equations[0], sites[i], X);
-            if (i == 0 || !is_replaced) equations[i + 1] = bisectors[i];
-        }
+        for (int i = 0; i < 2; ++i) bisectors[i] = Equation::beside(equations[0], sites[i], X);
+        equations[1] = bisectors[0];
+        if (!is_replaced) equations[2] = bisectors[1];
     }
+    // So does that of sites which are all but alike.
     void tell_apart(const Vector4d& X) {
         if (is_replaced || !Equation::are_alike(sites[0], sites[1], X)) return;
         replace_right(Equation::difference(sites[0], sites[1], X));
