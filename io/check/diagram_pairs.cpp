@@ -73,8 +73,9 @@ public:
                 for (const Site site : v.sites)
                     if (is_shared(site))
                         shared(images[site.index])
-                            .vertices.push_back(
-                                in_period({sites, v.point, v.error, v.is_touching}, own, images[site.index]));
+                            .vertices.push_back(in_period(
+                                {sites, v.point, v.error, v.is_touching, cell.report.decisions.assumed > 0},
+                                own, images[site.index]));
             }
         }
         for (auto& [pair, sides] : pairs) {
@@ -103,6 +104,7 @@ private:
             Vec3 point;
             double error;
             bool is_touching;  // nothing bounds where it is along bisectors that touch
+            bool has_assumed;  // its cell has taken coincidences for granted
         };
         std::vector<Vertex> vertices;
     };
@@ -243,18 +245,21 @@ private:
         const auto range = [&](const std::vector<Shared::Vertex>& in, const Shared::Vertex& v) {
             return std::equal_range(in.begin(), in.end(), v, by_objects);
         };
+        const auto are_near = [&](const Shared::Vertex& v, const Shared::Vertex& w) {
+            return (v.point - w.point).norm() <= v.error + w.error + rounding_;
+        };
         // Where bisectors touch a vertex is a double one, which one cell may have once and the other one
-        // twice.
+        // twice; and what a cell has taken to meet in one point it may have more often than there is.
         const auto is_double = [&](const Shared::Vertex& v, const std::vector<Shared::Vertex>& in) {
             const auto [first, last] = range(in, v);
-            return std::any_of(first, last,
-                               [&](const Shared::Vertex& w) { return v.is_touching || w.is_touching; });
+            return std::any_of(first, last, [&](const Shared::Vertex& w) {
+                return v.is_touching || w.is_touching || ((v.has_assumed || w.has_assumed) && are_near(v, w));
+            });
         };
         for (const Shared::Vertex& v : a.vertices) {
             const auto [first, last] = range(b.vertices, v);
             const auto twin = std::find_if(first, last, [&](const Shared::Vertex& w) {
-                return !is_taken[&w - b.vertices.data()] &&
-                       (v.point - w.point).norm() <= v.error + w.error + rounding_;
+                return !is_taken[&w - b.vertices.data()] && are_near(v, w);
             });
             if (twin != last)
                 is_taken[twin - b.vertices.begin()] = 1;
