@@ -104,11 +104,35 @@ private:
             integrals_ = integrate_faces(cell_, frame_, uses, bands, enough, parts, proofs);
         };
         integrate();
+        if (is_any_coarse()) {
+            // Rounding is let be many times what rules may leave out.
+            constexpr double finer = 0x1p-8;
+            const Integrals fine =
+                integrate_faces(cell_, frame_, uses, bands,
+                                {finer * enough[0], finer * enough[1], finer * enough[2]}, parts, proofs);
+            for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+                if (fine.faces[f].area.radius() < integrals_.faces[f].area.radius())
+                    integrals_.faces[f] = fine.faces[f];
+        }
         while (asks_for_proofs(proofs, exact)) {
             parts = std::max(parts, kPartsOfProofs);
             integrate();
         }
         if (geometry_.has_curved_rim()) region_ = region_area(cell_, frame_, uses, bands, exact.area);
+    }
+
+    /// Is an enclosure too wide to prove what is stated with this bound?
+    bool is_coarse(double bound, Interval enclosure, double slack, int dimension) const {
+        return enclosure.radius() > bound / unit(dimension) + slack + kBlur * power(size_, dimension);
+    }
+    /// Is that of an area which is known without estimates?
+    bool is_any_coarse() const {
+        for (std::size_t f = 0; f < cell_.faces.size(); ++f)
+            if (const FaceIntegrals& face = integrals_.faces[f];
+                face.is_known && face.is_proved && std::isfinite(face.area.radius()) &&
+                is_coarse(cell_.faces[f].area_error, face.area, integrals_.slack[f].area, 2))
+                return true;
+        return false;
     }
 
     /// Estimates do not refute: where one contradicts what is stated, proofs are asked for. For the whole
@@ -194,7 +218,7 @@ private:
             return certificate_.refute(
                 where, fmt::format("a bound of {:.3g} on its error is less than its own last place", bound),
                 most * u);
-        if (most > b && enclosure.radius() > b + slack + kBlur * power(size_, dimension))
+        if (most > b && is_coarse(bound, enclosure, slack, dimension))
             return certificate_.leave_open(
                 where,
                 fmt::format("is {} -+ {:.3g}, enclosed no better than within {:.3g} of {}", stated, bound,

@@ -188,7 +188,8 @@ namespace detail {
 inline double node_error(double middle, double half) { return 0x1p-50 * (std::abs(middle) + half); }
 
 /// How far rounding may take values in plain doubles from true ones, where look(parts, note) notes what is
-/// traced of them in as many parts, as long as note() returns true.
+/// traced of them in as many parts, as long as note() returns true. Is it no more than `most`? A bound it is
+/// either way.
 template <std::size_t N, class Look>
 bool is_rounding_below(const std::array<double, N>& most, std::array<double, N>& rounding, const Look& look) {
     constexpr int most_parts = 4;
@@ -200,7 +201,7 @@ bool is_rounding_below(const std::array<double, N>& most, std::array<double, N>&
                 rounding[i] = std::max(rounding[i], traced[i].error());
                 is_enough = is_enough && traced[i].error() <= most[i];
             }
-            return is_enough;
+            return is_enough || parts == most_parts;
         });
         if (is_enough) return true;
     }
@@ -238,13 +239,12 @@ bool is_rounding_below(const F& f, const std::array<double, 2>& middle, const st
     });
 }
 
-/// Adds what a rule says of the integrals about middle -+ half_width, -+ what it may be missing for each unit
-/// of width; values in plain doubles are off by `rounding`. `first`: those at the first places, where they
-/// are known.
+/// A rule's sum about middle -+ half_width; values in plain doubles are off by `rounding`. `first`: those at
+/// the first places, where they are known.
 template <std::size_t N, class F>
-void add_plain(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
-               const std::array<Approximate, N>* first, const std::array<double, N>& rounding,
-               const std::array<double, N>& missing, std::array<Interval, N>& sum) {
+std::array<MidRad, N> plain_sum(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
+                                const std::array<Approximate, N>* first,
+                                const std::array<double, N>& rounding) {
     std::array<Approximate, N> totals{}, sizes{};
     const auto add_pack = [&](std::size_t k, const std::array<Approximate, N>& value) {
         for (std::size_t i = 0; i < N; ++i) {
@@ -257,24 +257,23 @@ void add_plain(const F& f, double middle, const MidRad& half_width, const GaussR
     for (std::size_t k = first ? 1 : 0; k < rule.packs; ++k)
         add_pack(k, f(Approximate(middle) + half_width.mid() * rule.places[k]));
     // Weights add up to 2. Their own rounding and that of the sum are relative to its terms.
-    for (std::size_t i = 0; i < N; ++i) {
-        const MidRad part =
-            MidRad::ball(totals[i].sum(), (2 * rounding[i] + 0x1p-46 * sizes[i].sum()) * (1 + 0x1p-40));
-        sum[i] += (half_width * (part + MidRad::ball(0, missing[i]))).enclosure();
-    }
+    std::array<MidRad, N> sum;
+    for (std::size_t i = 0; i < N; ++i)
+        sum[i] = MidRad::ball(totals[i].sum(), (2 * rounding[i] + 0x1p-46 * sizes[i].sum()) * (1 + 0x1p-40));
+    return sum;
 }
 
-/// Adds the rule's sum by midpoint and radius, where rounding could not be told otherwise.
+/// Narrows what rounding could not be told of well by the sum in midpoints and radii.
 template <std::size_t N, class F>
-void add_enclosed(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
-                  const std::array<double, N>& missing, std::array<Interval, N>& sum) {
-    std::array<MidRad, N> part{};
+void narrow(const F& f, double middle, const MidRad& half_width, const GaussRule& rule,
+            std::array<MidRad, N>& sum) {
+    std::array<MidRad, N> enclosed{};
     for (std::size_t n = 0; n < rule.count; ++n) {
         const auto value = f(MidRad(middle) + half_width * rule.nodes[n].at);
-        for (std::size_t i = 0; i < N; ++i) part[i] += rule.nodes[n].weight * value[i];
+        for (std::size_t i = 0; i < N; ++i) enclosed[i] += rule.nodes[n].weight * value[i];
     }
     for (std::size_t i = 0; i < N; ++i)
-        sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
+        if (!(sum[i].radius() <= enclosed[i].radius())) sum[i] = enclosed[i];
 }
 
 /// The sum of the product of two rules in plain doubles, of which weights add up to 4; `rounding` of values.
@@ -367,11 +366,13 @@ bool integrate(const F& f, double a, double b, const std::array<double, N>& enou
         effort.ellipse = r <= frequent_rule && k > first_ellipse ? k - 1 : k;
         bool is_plain = true;
         for (std::size_t i = 0; i < N; ++i) is_plain = is_plain && rounding[i] <= most[i];
-        if (is_plain || detail::is_rounding_below(f, middle, half, most, rounding))
-            detail::add_plain(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr,
-                              rounding, missing, sum);
-        else
-            detail::add_enclosed(f, middle, half_width, gauss(r), missing, sum);
+        const bool is_told = is_plain || detail::is_rounding_below(f, middle, half, most, rounding);
+        auto part = detail::plain_sum(f, middle, half_width, gauss(r), r == frequent_rule ? &places : nullptr,
+                                      rounding);
+        if (!is_told) detail::narrow(f, middle, half_width, gauss(r), part);
+        // What the rule may be missing counts for each unit of width.
+        for (std::size_t i = 0; i < N; ++i)
+            sum[i] += (half_width * (part[i] + MidRad::ball(0, missing[i]))).enclosure();
         return true;
     }
     if (effort.parts_used < effort.parts && a < middle && middle < b) {
