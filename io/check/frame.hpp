@@ -78,7 +78,25 @@ struct Span {
         }
         return {{p[0], p[1], p[2]}, {q[0], q[1], q[2]}, p[3], q[3], origin};
     }
+
+    /// What points have along a direction, not relative, times w: coefficients of their own, as of a piece
+    /// that all but lies in a plane across it coordinates would cancel at each s anew.
+    SmallVector<MidRad, 6> along(const Triad<MidRad>& direction) const {
+        const MidRad at_origin =
+            direction[0] * origin[0] + direction[1] * origin[1] + direction[2] * origin[2];
+        SmallVector<MidRad, 6> result;
+        for (const auto& c : coefficients)
+            result.push_back(direction[0] * c[0] + direction[1] * c[1] + direction[2] * c[2] +
+                             at_origin * c[3]);
+        return result;
+    }
 };
+template <class T>
+T polynomial(std::span<const MidRad> coefficients, const T& s) {
+    T value(coefficients.back());
+    for (std::size_t k = coefficients.size() - 1; k-- > 0;) value = value * s + T(coefficients[k]);
+    return value;
+}
 std::vector<Span> spans(const RationalCurve3& curve, const Frame& frame);
 
 }  // namespace vcell::check

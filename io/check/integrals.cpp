@@ -381,12 +381,19 @@ private:
     }
 
     Interval add_direct(std::size_t e, const std::array<const Shadow*, 2>& shadows, const Span& span) {
+        std::array<const Revolved*, 2> revolved{};
+        std::array<SmallVector<MidRad, 6>, 2> along_axis;
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (shadows[k]) revolved[k] = std::get_if<Revolved>(shadows[k]);
+            if (revolved[k]) along_axis[k] = span.along(revolved[k]->axis);
+        }
         const auto along = [&]<class T>(const T& s) {
             const Place<T> p = span.at(s);
             std::array<T, 7> values{};
             for (std::size_t k = 0; k < 2; ++k) {
                 if (!shadows[k]) continue;
-                const Densities<T> d = densities(*shadows[k], p);
+                const Densities<T> d = revolved[k] ? densities(*revolved[k], p, polynomial(along_axis[k], s))
+                                                   : densities(*shadows[k], p);
                 values[3 * k] = d.volume;
                 values[3 * k + 1] = d.area;
                 values[3 * k + 2] = d.shadow;

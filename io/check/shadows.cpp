@@ -112,15 +112,19 @@ namespace {
 
 // About the axis by phi: an integral over z times dphi, dphi = det(axis, p, dp) / (|p|^2 (1 - z^2)).
 template <class T>
-Densities<T> along(const Revolved& r, const Place<T>& p) {
+Densities<T> along(const Revolved& r, const Place<T>& p, const T& along_axis) {
     const Triad<T> n = p.whole(), dn = p.whole_derivative();
-    const T norm2 = squared_norm(n), z = dot(r.axis, n) / sqrt(norm2);
+    const T norm2 = squared_norm(n), z = along_axis / sqrt(norm2);
     const T b = r.A * z + T(r.B), b1(r.b1);
     const T turn = determinant(r.axis, n, dn) / (norm2 * (T(1.0) + z));
     const T volume = T(r.volume) * (b1 + b) / square(b) * turn;
     const T steepness = sqrt(T(r.E) + 2.0 * (r.B * b)) / b;
     const T shadow = r.start ? solid_angle(*r.start, p) : turn;
     return {volume, T(r.K2) * revolved_area(r, b) * turn, shadow, steepness};
+}
+template <class T>
+Densities<T> along(const Revolved& r, const Place<T>& p) {
+    return along(r, p, dot(r.axis, p.whole()));
 }
 
 template <class T>
@@ -547,6 +551,15 @@ MidRad steepness(const Shadow& shadow, const Place<MidRad>& p) {
 template MidRad solid_angle(const Triad<MidRad>&, const Place<MidRad>&);
 template Traced solid_angle(const Triad<MidRad>&, const Place<Traced>&);
 template Approximate solid_angle(const Triad<MidRad>&, const Place<Approximate>&);
+template <class T>
+Densities<T> densities(const Revolved& shadow, const Place<T>& p, const T& along_axis) {
+    return along(shadow, p, along_axis);
+}
+
+template Densities<MidRad> densities(const Revolved&, const Place<MidRad>&, const MidRad&);
+template Densities<Disc> densities(const Revolved&, const Place<Disc>&, const Disc&);
+template Densities<Traced> densities(const Revolved&, const Place<Traced>&, const Traced&);
+template Densities<Approximate> densities(const Revolved&, const Place<Approximate>&, const Approximate&);
 template Densities<MidRad> densities(const Shadow&, const Place<MidRad>&);
 template Densities<Disc> densities(const Shadow&, const Place<Disc>&);
 template Densities<Traced> densities(const Shadow&, const Place<Traced>&);
