@@ -42,6 +42,30 @@ Interval stretch_of_base(const Subject& subject) {
     return {std::max(0.0, all.lower()), std::max(0.0, all.upper())};
 }
 
+Clearances clearances_of_parts(std::span<const Subject> subjects, const Frame& frame) {
+    Clearances all{HUGE_VAL, -HUGE_VAL};
+    for (const Subject& subject : subjects) {
+        if (subject.faces.empty()) continue;
+        const Clearances of_part = clearances(subject, frame);
+        const auto least = [](double a, double b) { return std::min(a, b); };
+        all.least = {least(all.least.lower(), of_part.least.lower()),
+                     least(all.least.upper(), of_part.least.upper())};
+        all.greatest = {-least(-all.greatest.lower(), -of_part.greatest.lower()),
+                        -least(-all.greatest.upper(), -of_part.greatest.upper())};
+    }
+    return all;
+}
+
+/// What an object owns of the boundary.
+struct Owned {
+    Interval area = 0.0;
+    double slack = 0;
+    std::vector<std::size_t> faces;
+
+    /// As far as areas are known. asks_for_proofs() has those proved that are not in their order.
+    bool is_less(const Owned& other) const { return area.upper() + slack < other.area.lower() - other.slack; }
+};
+
 class MeasuresRoom : public Room {
 public:
     MeasuresRoom(std::span<const Subject> subjects, std::span<const EdgeBound> edges, const TubeParts* slabs,
@@ -359,16 +383,7 @@ private:
         const Measures& m = cell_.measures;
         double slack = 0;
         for (std::size_t e = 0; e < cell_.edges.size(); ++e) slack = std::max(slack, edge_error(e));
-        Clearances found{HUGE_VAL, -HUGE_VAL};
-        for (const Subject& subject : subjects_) {
-            if (subject.faces.empty()) continue;
-            const Clearances of_part = clearances(subject, frame_);
-            const auto least = [](double a, double b) { return std::min(a, b); };
-            found.least = {least(found.least.lower(), of_part.least.lower()),
-                           least(found.least.upper(), of_part.least.upper())};
-            found.greatest = {-least(-found.greatest.lower(), -of_part.greatest.lower()),
-                              -least(-found.greatest.upper(), -of_part.greatest.upper())};
-        }
+        const Clearances found = clearances_of_parts(subjects_, frame_);
         judge("measures.min_clearance", m.min_clearance, m.min_clearance_error, found.least, slack, 1);
         judge("measures.max_clearance", m.max_clearance, m.max_clearance_error, found.greatest, slack, 1);
         const auto [at_least, at_most] = cell_.clearance_places.value_or(ClearancePlaces());
@@ -376,18 +391,6 @@ private:
         if (at_least) judge(min, at_least->clearance, at_least->clearance_error, found.least, slack, 1);
         if (at_most) judge(max, at_most->clearance, at_most->clearance_error, found.greatest, slack, 1);
     }
-
-    /// What an object owns of the boundary.
-    struct Owned {
-        Interval area = 0.0;
-        double slack = 0;
-        std::vector<std::size_t> faces;
-
-        /// As far as areas are known. asks_for_proofs() has those proved that are not in their order.
-        bool is_less(const Owned& other) const {
-            return area.upper() + slack < other.area.lower() - other.slack;
-        }
-    };
 
     std::map<std::uint32_t, Owned> owned_areas() const {
         std::map<std::uint32_t, Owned> owned;
