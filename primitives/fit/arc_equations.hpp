@@ -186,8 +186,8 @@ public:
         Equation e = quadric(q, near, 0.5 * (left.point_ + right.point_));
         e.delta_ = std::abs(left.delta_) + std::abs(right.delta_);
         e.reach_ = left.reach_ + right.reach_;
-        // Of the base, a ball about the origin, nothing is rounded.
-        if (left.axis_ == Vec3::Zero() && left.point_ == Vec3::Zero()) return e;
+        // About the base, and along it, nothing is rounded.
+        if (left.across(left.point_) == Vec3::Zero() && tilt == Vec3::Zero()) return e;
         e.is_rounded_ = true;
         // About the difference of the distances: over its small gradient what rounding leaves of it would
         // look like a span that is far off.

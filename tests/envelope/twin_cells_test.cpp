@@ -9,6 +9,7 @@
 
 #include "../../core/errors.hpp"
 #include "../../envelope/voronoi_cell.hpp"
+#include "../../envelope/voronoi_diagram.hpp"
 #include "../primitives/radial_base_checks.hpp"
 #include "test_support.hpp"
 
@@ -102,6 +103,49 @@ TEST_CASE("twins: edges between them are as far from both, to a part of what the
     }
     CHECK(decided >= 0.8 * asked);
     CHECK(edges >= decided / 3);
+}
+
+TEST_CASE("twins: the cells of two that all but coincide are together that of one of them") {
+    TwinCells twins;
+    int asked = 0, decided = 0;
+    for (int round = 0; round < 24 * rounds(); ++round) {
+        const double apart = std::pow(10, twins.number(-9, -4));
+        CAPTURE(round);
+        CAPTURE(apart);
+        DiagramScene scene;
+        scene.box = {Vec3::Constant(-2), Vec3::Constant(2)};
+        const Vec3 center = 0.3 * twins.vector(), way = apart * twins.direction(), axis = twins.direction();
+        const double radius = round % 2 * 0.2;
+        const bool are_balls = round % 4 < 2;
+        const auto add = [&](const Vec3& p) {
+            if (are_balls)
+                scene.objects.emplace_back(Sphere{p, radius});
+            else
+                scene.objects.emplace_back(Cylinder{p, axis, radius});
+        };
+        add(center);
+        const Vec3 across = axis.cross(twins.direction()).normalized(), up = axis.cross(across);
+        scene.objects.emplace_back(Cylinder{center + across, up + 0.3 * twins.vector(), 0.1});
+        scene.objects.emplace_back(Sphere{center - 1.1 * across + 0.3 * twins.vector(), 0.15});
+        scene.objects.emplace_back(Sphere{center + 1.2 * up + 0.3 * twins.vector(), 0});
+        const DiagramCell alone = voronoi_diagram(scene).cells.front();
+        add(center + way);
+        const VoronoiDiagram both = voronoi_diagram(scene);
+        const DiagramCell &first = both.cells.front(), &second = both.cells.back();
+        ++asked;
+        if (alone.state != DiagramCell::State::Computed || first.state != DiagramCell::State::Computed ||
+            second.state != DiagramCell::State::Computed)
+            continue;
+        ++decided;
+        // What the second one takes of its neighbours' is no wider than they are apart.
+        const double gained = apart * alone.area,
+                     error = alone.volume_error + first.volume_error + second.volume_error;
+        CHECK(std::abs(first.volume + second.volume - alone.volume) <= gained + error);
+        // What rounding moves tubes by counts in parts of what they are apart.
+        CHECK(error <= 1e-5 + 1e-11 / apart);
+    }
+    MESSAGE(decided, " of ", asked);
+    CHECK(decided >= 0.9 * asked);
 }
 
 }  // namespace vcell::twin_cells_test
