@@ -409,7 +409,7 @@ private:
         if (change <= room_) return change;
         const Row apart = difference(b, a, between_objects_, middle);
         for (double reach = room_; reach < most_; reach = 2 * change) {
-            change = across(a, apart, radius + reach);
+            change = std::min(across(a, b, radius + reach), across(a, apart, radius + reach));
             if (change <= reach) return change;
         }
         // Halves of parts that are no longer than their place is known would not show more.
