@@ -3,8 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "../objects/exact_space.hpp"
 #include "canonical.hpp"
@@ -81,6 +84,33 @@ std::optional<Vec3> place_of_mirrored(const Object* object) {
     return Vec3(tube->point - along.dot(tube->point) * along);
 }
 
+// Those of the ties, exact ones first, of which none hides what it hides by: of twins of the base's twin each
+// is all but the image of that in the mirror of the other.
+std::vector<MirrorTie> without_cycles(std::vector<MirrorTie> ties) {
+    std::ranges::stable_sort(ties, {}, &MirrorTie::move);
+    std::map<std::uint32_t, std::vector<std::uint32_t>> hidden_by;
+    const auto depends = [&](std::uint32_t object, std::uint32_t on) {
+        std::vector<std::uint32_t> open{object};
+        std::set<std::uint32_t> seen;
+        while (!open.empty()) {
+            const std::uint32_t next = open.back();
+            open.pop_back();
+            if (next == on) return true;
+            const auto by = hidden_by.find(next);
+            if (by == hidden_by.end() || !seen.insert(next).second) continue;
+            open.insert(open.end(), by->second.begin(), by->second.end());
+        }
+        return false;
+    };
+    std::erase_if(ties, [&](const MirrorTie& tie) {
+        if (depends(tie.mirrored, tie.hidden) || depends(tie.mirror, tie.hidden)) return true;
+        auto& by = hidden_by[tie.hidden];
+        by.insert(by.end(), {tie.mirrored, tie.mirror});
+        return false;
+    });
+    return ties;
+}
+
 }  // namespace
 
 std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Object* const> objects,
@@ -141,7 +171,7 @@ std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Ob
             }
         }
     }
-    return ties;
+    return without_cycles(std::move(ties));
 }
 
 }  // namespace vcell

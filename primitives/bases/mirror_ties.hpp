@@ -24,7 +24,8 @@ struct MirrorTie {
     double move;  ///< 0: exact; otherwise how far X would have to be moved for it to be that
 };
 
-/// All ties of that kind, exact or with moves up to `most`, a length; `objects` that are null take no part.
+/// All ties of that kind, exact or with moves up to `most`, a length, but those by which something would be
+/// hidden by what it hides; `objects` that are null take no part.
 /// Where tubes along the base of its radius are more than some, they are none, as looking at all pairs would
 /// take longer than the cell.
 std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Object* const> objects,
