@@ -127,7 +127,7 @@ double RoundFace::volume_slope(double near, double far) const {
     return c / 12 * (2 * most + std::abs(delta) / (near + d2));
 }
 
-// Of areas likewise, with the factors below.
+// Areas change by as much of the factors f below.
 //
 // *Hyperboloids.* f = c / (2 root) M / (t + d2), M the mean of r(x) = sqrt(x (x + delta)) from d1 to t, which
 // grows and is concave. Its slope is that of r at d1, c / (2 root), by half at most; and as t M' is the mean

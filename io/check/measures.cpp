@@ -129,7 +129,7 @@ private:
         };
         integrate();
         if (is_any_coarse()) {
-            // Rounding is let be many times what rules may leave out.
+            // The rules let rounding be many times what they may leave out.
             constexpr double finer = 0x1p-8;
             const Integrals fine =
                 integrate_faces(cell_, frame_, uses, bands,
@@ -149,7 +149,7 @@ private:
     bool is_coarse(double bound, Interval enclosure, double slack, int dimension) const {
         return enclosure.radius() > bound / unit(dimension) + slack + kBlur * power(size_, dimension);
     }
-    /// Is that of an area which is known without estimates?
+    /// Is the enclosure of an area too wide that is known without estimates?
     bool is_any_coarse() const {
         for (std::size_t f = 0; f < cell_.faces.size(); ++f)
             if (const FaceIntegrals& face = integrals_.faces[f];

@@ -135,7 +135,7 @@ T solid_angle(const Triad<MidRad>& from, const Place<T>& p);
 /// A Fan has no volume and area here, which take a second variable, but its shadow.
 template <class T>
 Densities<T> densities(const Shadow& shadow, const Place<T>& p);
-/// Likewise, where what p has along the axis, times w, is known better than from its coordinates.
+/// Gives them where what p has along the axis, times w, is known better than from its coordinates.
 template <class T>
 Densities<T> densities(const Revolved& shadow, const Place<T>& p, const T& along_axis);
 /// The area of the face for that of the base at its distance, of a Fan too.

@@ -84,8 +84,8 @@ std::optional<Vec3> place_of_mirrored(const Object* object) {
     return Vec3(tube->point - along.dot(tube->point) * along);
 }
 
-// Those of the ties, exact ones first, of which none hides what it hides by: of twins of the base's twin each
-// is all but the image of that in the mirror of the other.
+// Keeps the ties, exact ones first, by which nothing is hidden by what it hides: each of two twins may be all
+// but the image of a twin of the base in the mirror of the other.
 std::vector<MirrorTie> without_cycles(std::vector<MirrorTie> ties) {
     std::ranges::stable_sort(ties, {}, &MirrorTie::move);
     std::map<std::uint32_t, std::vector<std::uint32_t>> hidden_by;

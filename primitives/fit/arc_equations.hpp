@@ -203,7 +203,7 @@ public:
         return turn(a, b, X) < share * (1 / da + 1 / db);
     }
 
-    // Beside the base's equation: what tells where the site is as far as the base. Equations of what is all
+    // What tells, beside the base's equation, where the site is as far as the base. Equations of what is all
     // but alike at X depend on each other so nearly that each alone would be told from the other on the
     // shortest of spans only: their difference takes the site's place.
     static Equation beside(const Equation& base, const Equation& site, const Vector4d& X) {
@@ -488,7 +488,7 @@ struct ArcEquations {
         equations[1] = bisectors[0];
         if (!is_replaced) equations[2] = bisectors[1];
     }
-    // So does that of sites which are all but alike.
+    // The difference of sites that are all but alike takes the right one's place.
     void tell_apart(const Vector4d& X) {
         if (is_replaced || !Equation::are_alike(sites[0], sites[1], X)) return;
         replace_right(Equation::difference(sites[0], sites[1], X));

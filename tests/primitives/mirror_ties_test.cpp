@@ -105,7 +105,7 @@ TEST_CASE("mirror ties: all triples are found that a search of all finds, in any
                     }
                 }
         }
-        // All but those by which something would be hidden by what it hides.
+        // Only ties are missing by which something would be hidden by what it hides.
         CHECK(std::ranges::includes(expected, ties));
         std::set<std::array<std::uint32_t, 2>> hides;  // what is hidden, also by way of others, and by what
         for (const auto& [x, y, t] : ties) hides.insert({{x, y}, {x, t}});
