@@ -278,6 +278,17 @@ AxesApart::AxesApart(const Vec3& any, const Vec3& axis) {
     apart = std::abs(axis.x() * point.z() - axis.z() * point.x()) / sqrt(square);
 }
 
+// Where the axes are |delta| apart, or nearly so, C all but vanishes at the foot, and t turns within far less
+// than the face: integrals start there, and y is counted from there. Next to one direction, in which A and B
+// vanish, too, t grows beyond all bounds with the distance from the foot, and so does what stands between a
+// face and any other height. Axes nearer than |delta| have tips beside the foot instead.
+static bool is_pinched(const AxesApart& axes, double delta, const Around& face) {
+    constexpr double narrow = 0x1p-4;  // a matter of digits: integrals from any height are right
+    const double C = (axes.apart - delta) * (axes.apart + delta);
+    return C >= 0 && C <= square(narrow * std::max(face.extent, std::abs(delta))) &&
+           std::abs(axes.foot - face.near.y()) <= face.extent;
+}
+
 SkewFace::SkewFace(const RadialBaseProblem& problem, FormId form, const Cylinder& cylinder,
                    const Around& face)
     : side(1),
@@ -288,29 +299,25 @@ SkewFace::SkewFace(const RadialBaseProblem& problem, FormId form, const Cylinder
       start(face.near.y()),
       least(infinity),
       tips(bisector_tips(problem, form)) {
-    const Vec3 axis = cylinder.axis.normalized(), point = cylinder.point - axis.dot(cylinder.point) * axis;
+    const Vec3 axis = cylinder.axis.normalized();
     const double delta = cylinder.radius - problem.chart.radius;
+    const AxesApart axes(cylinder.point, axis);
+    if (is_pinched(axes, delta, face)) start = origin = axes.foot;
+    const Vec3 any = cylinder.point - Vec3(0, origin, 0), point = any - axis.dot(any) * axis;
     c0 = (point.norm() - delta) * (point.norm() + delta);
     c1 = -2 * point.y();
-    c2 = axis.x() * axis.x() + axis.z() * axis.z();
+    c2 = axes.square;
     b0 = delta;
     a0 = 0;
     slope = axis.y();
     b = point;
     a = axis;
     far0 = delta;
-    const auto [foot, apart, square] = AxesApart(cylinder.point, axis);  // C is least at the foot
-    if (foot >= problem.stretch[0] && foot <= problem.stretch[1] && apart > std::abs(delta))
-        least = 0.5 * (apart - delta);
+    // C is least at the foot.
+    if (axes.foot >= problem.stretch[0] && axes.foot <= problem.stretch[1] && axes.apart > std::abs(delta))
+        least = 0.5 * (axes.apart - delta);
     for (const BisectorTip& tip : tips)
         if (tip.y >= problem.stretch[0] && tip.y <= problem.stretch[1]) least = tip.reach;
-    // Where the axes are |delta| apart, or nearly so, C all but vanishes at the foot. Next to one direction,
-    // in which A and B do so too, t grows beyond all bounds with the distance from the foot, and so does what
-    // stands between a face and any other height.
-    constexpr double touching_part = 0x1p-10;  // a matter of digits: integrals from any height are right
-    if (std::abs(apart - std::abs(delta)) <= touching_part * std::abs(delta) &&
-        std::abs(foot - start) <= face.extent)
-        start = foot;
 }
 
 // y is counted from the face: C may be next to nothing there, as where the base is next to the wall. It falls

@@ -476,9 +476,9 @@ inline const EstimatingRule& rule_across() {
 /// estimate() takes the product of two rules where a proof of the integral would take too long. It is an
 /// estimate, if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with
 /// those of degrees n - 2 and n - 1 at p of the integrand's size a rule with n nodes, which knows all up to 2
-/// n - 1, leaves out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(7/4), and as long as they
-/// do not fall p. f takes several s at once and returns a function of t. False: the effort is spent, and it
-/// is a poor one.
+/// n - 1, leaves out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(3/2), and as long as they
+/// do not fall p. (Next to where axes all but cross p^(7/4) is too little, a hundred times.) f takes several
+/// s at once and returns a function of t. False: the effort is spent, and it is a poor one.
 template <std::size_t N, class F>
 bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
               const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
@@ -534,8 +534,7 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
         double left_out = 0;
         for (const std::size_t axis : {0, 1}) {
             const double part = tail[axis][i] / size[i];
-            const double along =
-                part < falling ? tail[axis][i] * std::sqrt(part * std::sqrt(part)) : tail[axis][i];
+            const double along = part < falling ? tail[axis][i] * std::sqrt(part) : tail[axis][i];
             left_out += along * quarter;
             worst[axis] = std::max(worst[axis], along * quarter / allowed);
         }

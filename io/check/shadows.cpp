@@ -368,18 +368,20 @@ Flat flat(const Equation& side, const Triad<double>& corner) {
 }
 
 // The height on a base cylinder's axis at which a tube's integrals start: any is right. Where the axes are
-// all but as far apart as the tube's radius is from the base's, distances along some rays grow beyond all
-// bounds away from their common perpendicular, though the face is near by.
+// all but as far apart as the tube's radius is from the base's, distances turn within little of their common
+// perpendicular, where rules find that at an end of what they integrate; and along some rays they grow beyond
+// all bounds away from there, though the face is near by.
 double start_below_tube(const Equation& tube, double least, double most) {
-    constexpr double nearly = 0x1p-10;
+    constexpr double narrow = 0x1p-4;
     const double middle = 0.5 * (least + most), x = tube.c[0].mid(), y = tube.c[1].mid(),
                  dx = tube.d[0].mid(), dy = tube.d[1].mid(), lean = std::hypot(dx, dy),
-                 delta = std::abs(tube.delta.mid());
+                 delta = std::abs(tube.delta.mid()), length = most - least;
     if (!(lean > 0)) return middle;
     const double apart = std::abs(x * dy - y * dx) / lean,
                  foot = tube.c[2].mid() - (x * dx + y * dy) / (lean * lean) * tube.d[2].mid();
-    const bool is_pinched = std::abs(apart - delta) <= nearly * delta;
-    return is_pinched && std::abs(foot - middle) <= most - least ? foot : middle;
+    const bool is_pinched =
+        apart >= delta && std::sqrt(apart * apart - delta * delta) <= narrow * std::max(length, delta);
+    return is_pinched && std::abs(foot - middle) <= length ? foot : middle;
 }
 
 }  // namespace
