@@ -15,8 +15,8 @@ namespace {
 // More that tie in a point are seen to where pieces are so small that nothing else is left in them.
 constexpr std::size_t most_tied = 8;
 // A tube's circumference is cut into such parts of it as long as there are more competitors than this.
-constexpr std::size_t most_around = 32;
-constexpr double part_around = 0.075;
+constexpr std::size_t most_around = 8;
+constexpr double part_around = 0.15;
 // Where differences of three competitors or more change so much more along one axis pieces are cut across
 // that, unless they are too slender.
 constexpr double much_steeper = 4, most_slender = 0x1p16;
