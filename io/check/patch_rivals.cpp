@@ -207,8 +207,8 @@ private:
             if (is_nowhere_parallel(c, rival, rival.distance - rounding - (1 + kRough) * steepest * radius_))
                 return true;
             const bool alike = room_.space().are_alike(c, room_.judged_.own[0]);
-            if (alike ? are_apart(c) : is_twin(c) || is_twin(room_.judged_.own[0]) ? do_cross(c) : false)
-                return true;
+            const bool is_beside_twin = is_twin(c) || is_twin(room_.judged_.own[0]);
+            if (alike ? are_apart(c) : is_beside_twin && are_across(c)) return true;
             if ((alike && is_farther(c, true)) || (count_ > kFew && is_farther(c, false))) return true;
             return count_ > kMany && least_by_tangents(room_.space(), c, net_) >= -room_.tie_width(c.site);
         }
@@ -264,11 +264,12 @@ private:
                        .lower() > 0;
         }
 
-        /// Next to the base gradients are as small as what lies between, and known to a part of that.
         bool is_twin(const Condition& c) const {
             return c.is_of_object() && room_.space().is_twin_of_base(c.site.index);
         }
-        bool do_cross(const Condition& c) const {
+        /// Is one of two gradients, which is as small as what lies between the base and its twin, and known
+        /// to a part of that, nowhere parallel to the other one?
+        bool are_across(const Condition& c) const {
             const Vector<Interval> around = box_about(center_, radius_);
             return square(cross(room_.space().gradient(c, around),
                                 room_.space().gradient(room_.judged_.own[0], around)))
