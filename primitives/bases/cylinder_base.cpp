@@ -282,10 +282,15 @@ private:
         const auto pierces = [&] {
             return cylinder.radius < base_.radius && CylinderForms::has_two_roots(height.c);
         };
-        if (!(is_positive(height.c) || pierces()) || given_.is_touched_by(cylinder, stretch_))
+        if (!(is_positive(height.c) || pierces()) || given_.is_touched_by(cylinder, stretch_)) {
+            const bool same =
+                cylinder.radius == base_.radius &&
+                std::ranges::all_of(height.c, [](const auto& c) { return c.sign() == Sign::Zero; });
             objects_.fail(Kind::TouchesBase, i,
-                          cylinder.radius >= base_.radius ? contains_section
-                                                          : "lies in the base, or touches it from within");
+                          same                              ? "is the base itself"
+                          : cylinder.radius >= base_.radius ? contains_section
+                                                            : "lies in the base, or touches it from within");
+        }
         objects_.cylinders.add(f, i);
     }
     void add(std::uint32_t i, const HollowSphere& vessel) {

@@ -88,6 +88,8 @@ TEST_CASE("radial base: objects that touch, contain or lie in the base are error
     check(tube, Plane{at(0, 0, 11), {1, 0, 1}}, "cuts the base");
     check(tube, Cylinder{at(0, 0, 5), {0, 0, -1}, 1}, "lies in the base");
     check(tube, Cylinder{at(0, 0, 5), {0, 0, -1}, 3}, "contains a cross section");
+    check(tube, Cylinder{at(0, 0, 5), {0, 0, -1}, 2}, "is the base itself");
+    check(Cylinder{o, {1, 2, 5}, 0}, Cylinder{at(1, 2, 5), {-1, -2, -5}, 0}, "is the base itself");
     check(tube, Cylinder{at(0, 1, 5), {1, 0, 0}, 1}, "touches it from within");
     check(tube, Cylinder{at(0, 0, 5), {1, 0, 0}, 2}, "contains a cross section");
     check(tube, Cylinder{at(3, 0, 5), {0, 0, 1}, 5}, "contains a cross section");
