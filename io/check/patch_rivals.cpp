@@ -24,6 +24,7 @@ public:
         // Where both are as near and the same way off they touch, the one within the other.
         const Site& site = judged.own[0].site;
         is_apart_ = site.is_object() && gap(scene_.objects[site.index]) > 0;
+        is_own_twin_ = is_twin(judged.own[0]);
     }
 
     /// False where a rival is nearer, or may be.
@@ -76,6 +77,9 @@ private:
     static constexpr std::size_t kFew = 64;
     /// Tiles after which rivals are told by tangents, too: some are least all along a line.
     static constexpr std::size_t kMany = 1024;
+    bool is_twin(const Condition& c) const {
+        return c.is_of_object() && space().is_twin_of_base(c.site.index);
+    }
     /// A lower bound of how far an object is from the base; of little use unless one of them is a ball, and
     /// the other none but a plane, a ball or a tube.
     double gap(const Object& object) const {
@@ -207,8 +211,7 @@ private:
             if (is_nowhere_parallel(c, rival, rival.distance - rounding - (1 + kRough) * steepest * radius_))
                 return true;
             const bool alike = room_.space().are_alike(c, room_.judged_.own[0]);
-            const bool is_beside_twin = is_twin(c) || is_twin(room_.judged_.own[0]);
-            if (alike ? are_apart(c) : is_beside_twin && are_across(c)) return true;
+            if (alike ? are_apart(c) : (room_.is_own_twin_ || room_.is_twin(c)) && are_across(c)) return true;
             if ((alike && is_farther(c, true)) || (count_ > kFew && is_farther(c, false))) return true;
             return count_ > kMany && least_by_tangents(room_.space(), c, net_) >= -room_.tie_width(c.site);
         }
@@ -264,9 +267,6 @@ private:
                        .lower() > 0;
         }
 
-        bool is_twin(const Condition& c) const {
-            return c.is_of_object() && room_.space().is_twin_of_base(c.site.index);
-        }
         /// Is one of two gradients, which is as small as what lies between the base and its twin, and known
         /// to a part of that, nowhere parallel to the other one?
         bool are_across(const Condition& c) const {
@@ -316,6 +316,7 @@ private:
     const JudgedPatch& judged_;
     double margin_;  // how far the patch is from its bisector
     bool is_apart_;  // the base and the own object are surely two bodies
+    bool is_own_twin_;
 };
 
 }  // namespace

@@ -172,7 +172,6 @@ TEST_CASE(
             const Vec3 axis = r.direction(), across = base.axis.cross(axis).normalized();
             scene.objects.push_back(
                 Cylinder{r.uniform(-1, 1) * base.axis.normalized() + apart * across, axis, radius});
-            CAPTURE(apart);
         }
         const Cell cell = voronoi_cell(scene);
         check_holds(cell);
