@@ -108,22 +108,28 @@ private:
         return std::max(by_slopes, 0.5 * value / change);
     }
 
-    // Where two cylinders all but coincide so do their slopes. Q is larger where the other one's Q' makes its
-    // equation above negative, r = dC Q'^2 - 2 dbeta Q' - d(alpha^2); and r changes by no more than what its
-    // differences, Q' and the slope of Q' do.
+    // Where two cylinders or cones all but coincide so do their slopes. Q is larger where the other one's Q'
+    // makes its equation above negative, r = dC Q'^2 - 2 dbeta Q' - d(alpha^2), + d(alpha^2) of hollow ones;
+    // and r changes by no more than what its differences, Q' and the slope of Q' do.
     static double room_beside_twin(const Nearness::Cylindrical& own, const Nearness::Cylindrical& other,
                                    const Vec3& u) {
-        if (own.is_hollow || other.is_hollow || own.C < 0 || other.C < 0) return 0;
-        const Vec3 axis = own.axis.dot(other.axis) < 0 ? Vec3(-other.axis) : other.axis;
+        if (own.is_hollow != other.is_hollow || own.C < 0 || other.C < 0) return 0;
+        const bool is_turned = own.sine == 0 && own.axis.dot(other.axis) < 0;
+        const Vec3 axis = is_turned ? Vec3(-other.axis) : other.axis;
         const Vec3 d_axis = own.axis - axis, d_foot = own.foot - other.foot;
-        const double dC = own.C - other.C, d_delta = own.delta - other.delta, q = nearness_of(other, u);
+        const double dC = own.C - other.C, d_delta = own.delta - other.delta, d_sine = own.sine - other.sine,
+                     q = nearness_of(other, u);
+        const double d_square =
+            (d_axis.dot(u) - d_sine) * ((own.axis + axis).dot(u) - (own.sine + other.sine));
         const double r =
-            dC * q * q - 2 * (d_foot.dot(u) + d_delta) * q - d_axis.dot(u) * (own.axis + axis).dot(u);
+            dC * q * q - 2 * (d_foot.dot(u) + d_delta) * q + (own.is_hollow ? d_square : -d_square);
         if (!(r < 0)) return 0;
         const double steepness = slope(other), beta = other.foot.norm() + std::abs(other.delta),
-                     most = (beta + std::sqrt(beta * beta + other.C)) / other.C;
+                     root = other.is_hollow ? beta : std::sqrt(beta * beta + other.C),
+                     most = (beta + root) / other.C;
         const double change = 2 * (std::abs(dC) * most * steepness + d_foot.norm() * most +
-                                   (d_foot.norm() + std::abs(d_delta)) * steepness + 2 * d_axis.norm());
+                                   (d_foot.norm() + std::abs(d_delta)) * steepness +
+                                   (2 + std::max(own.sine, other.sine)) * d_axis.norm() + std::abs(d_sine));
         return -0.5 * r / change;
     }
 

@@ -183,6 +183,7 @@ public:
         q.M.topLeftCorner<3, 3>() = -0.5 * (tilt * axes.transpose() + axes * tilt.transpose());
         q.l << -2 * way + 0.5 * (along * axes + aside * tilt), -2 * left.kappa_ * grown;
         q.k = -grown * (left.delta_ + right.delta_) - 0.25 * along * aside;
+        q = q.times(left.sense_);
         Equation e = quadric(q, near, 0.5 * (left.point_ + right.point_));
         e.delta_ = std::abs(left.delta_) + std::abs(right.delta_);
         e.reach_ = left.reach_ + right.reach_;

@@ -15,6 +15,7 @@ struct SpaceQuadric {
     Eigen::Vector4d l = Eigen::Vector4d::Zero();
     double k = 0;
 
+    SpaceQuadric times(double factor) const { return {factor * M, factor * l, factor * k}; }
     /// Of points that are turned.
     SpaceQuadric turned(const Eigen::Matrix3d& turn) const;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace vcell {
 
@@ -34,22 +35,26 @@ PlaneTerms<T> terms_of_cylinder(const CylinderNumbers<T>& f, const T& u, bool is
              uu * (M - f.ax * f.ax), -((uu + uu) * f.ax * f.ay), uu * (M - f.ay * f.ay)}};
 }
 
+template <class T>
+AffineTerm<T> operator*(const T& factor, const AffineTerm<T>& a) {
+    return {factor * a.v0, {factor * a.v[0], factor * a.v[1], factor * a.v[2]}};
+}
+
 template <class T, class Convert>
 RadialTerms<T> terms_of_radial(const RadialForm& f, Convert&& to) {
     const auto all = [&](const std::array<Exact, 3>& v) {
         return std::array<T, 3>{to(v[0]), to(v[1]), to(v[2])};
     };
-    const std::array<T, 3> a = all(f.a);
-    const T slope = to(f.slope);
-    return {all(f.c), to(f.b0), all(f.b), {slope * a[0], slope * a[1], slope * a[2]}, a, a};
+    const AffineTerm<T> a{to(f.a0), all(f.a)};
+    return {all(f.c), {to(f.b0), all(f.b)}, to(f.slope) * a, a, T(f.is_hollow ? -1.0 : 1.0) * a};
 }
 
 // A circular form over a sphere (RadialHeight), times 4.
 template <class T>
 RadialTerms<T> terms_on_sphere(const T& K, const T& A, const T& B, const T& C, const T& W) {
     const T zero(0.0);
-    const std::array<T, 3> none{zero, zero, zero};
-    return {{T(4.0) * W, zero, zero}, -(K + C), {-A, -B, K - C}, none, none, none};
+    const AffineTerm<T> none{zero, {zero, zero, zero}};
+    return {{T(4.0) * W, zero, zero}, {-(K + C), {-A, -B, K - C}}, none, none, none};
 }
 
 struct FormTerms {
@@ -100,9 +105,13 @@ auto each(const PlaneTerms<Exact>& t, Function&& f) {
     return PlaneTerms<decltype(f(t.a))>{f(t.a), each(t.b, f), each(t.c, f)};
 }
 template <class Function>
+auto each(const AffineTerm<Exact>& t, Function&& f) {
+    return AffineTerm<decltype(f(t.v0))>{f(t.v0), each(t.v, f)};
+}
+template <class Function>
 auto each(const RadialTerms<Exact>& t, Function&& f) {
-    return RadialTerms<decltype(f(t.b0))>{each(t.c, f), f(t.b0),      each(t.b, f),
-                                          each(t.s, f), each(t.p, f), each(t.q, f)};
+    return RadialTerms<decltype(f(t.b.v0))>{each(t.c, f), each(t.b, f), each(t.s, f), each(t.p, f),
+                                            each(t.q, f)};
 }
 
 template <std::size_t n>
@@ -112,15 +121,19 @@ std::array<Exact, n> less(const std::array<Exact, n>& a, const Exact& factor, co
     return out;
 }
 
-// The terms of f less lambda times those of g; p q of theirs is (p_f - mu p_g) (p_f + mu p_g), lambda = mu^2.
+AffineTerm<Exact> less(const AffineTerm<Exact>& a, const Exact& factor, const AffineTerm<Exact>& b) {
+    return {a.v0 - factor * b.v0, less(a.v, factor, b.v)};
+}
+
+// The terms of f less lambda times those of g; p q of theirs is (p_f - mu p_g) (q_f + mu q_g), lambda = mu^2.
 PlaneTerms<Exact> less(const PlaneTerms<Exact>& f, const Exact& mu, const PlaneTerms<Exact>& g) {
     const Exact lambda = mu * mu;
     return {f.a - lambda * g.a, less(f.b, lambda, g.b), less(f.c, lambda, g.c)};
 }
 RadialTerms<Exact> less(const RadialTerms<Exact>& f, const Exact& mu, const RadialTerms<Exact>& g) {
     const Exact lambda = mu * mu;
-    return {less(f.c, lambda, g.c), f.b0 - lambda * g.b0, less(f.b, lambda, g.b),
-            less(f.s, lambda, g.s), less(f.p, mu, g.p),   less(f.p, -mu, g.p)};
+    return {less(f.c, lambda, g.c), less(f.b, lambda, g.b), less(f.s, lambda, g.s), less(f.p, mu, g.p),
+            less(f.q, -mu, g.q)};
 }
 
 struct TermJets {
@@ -146,32 +159,35 @@ TermJets terms_over(const PlaneTerms<Interval>& t, const std::array<Interval, 2>
 
 TermJets terms_over(const RadialTerms<Interval>& t, const RadialNormals<Interval>& n) {
     const Interval &y = n.y(), &m = n.middle_y(), dy = y - m;
-    const auto linear = [&](const std::array<Interval, 3>& v) { return n.along<2>(v); };
-    if (n.around() == nullptr) {
-        const Jet p = linear(t.p), q = linear(t.q);
-        return {Jet::constant(t.c[0]), Jet::constant(t.b0) + linear(t.b), -(p * q)};
-    }
+    const auto affine = [&](const AffineTerm<Interval>& a) { return Jet::constant(a.v0) + n.along<2>(a.v); };
+    const Jet c = -(affine(t.p) * affine(t.q));
+    if (n.around() == nullptr) return {Jet::constant(t.c[0]), affine(t.b), c};
     const Interval slope = t.c[1] + 2.0 * (t.c[2] * m), at = t.c[0] + m * (t.c[1] + t.c[2] * m), zero(0.0);
     const Jet a{
         at + slope * dy + t.c[2] * square(dy), zero, slope + 2.0 * (t.c[2] * dy), zero, zero, 2.0 * t.c[2]},
         along{dy, zero, Interval(1.0), zero, zero, zero};
     // What is linear in y is taken together at the middle.
-    std::array<Interval, 3> middle;
-    for (std::size_t i = 0; i < 3; ++i) middle[i] = t.b[i] + m * t.s[i];
-    return {a, Jet::constant(t.b0) + linear(middle) + along * linear(t.s), -(linear(t.p) * linear(t.q))};
+    AffineTerm<Interval> middle{t.b.v0 + m * t.s.v0, {}};
+    for (std::size_t i = 0; i < 3; ++i) middle.v[i] = t.b.v[i] + m * t.s.v[i];
+    return {a, affine(middle) + along * affine(t.s), c};
 }
 
+// R, which is b where there is no root, also where no ray meets the object as b < 0.
 template <class Terms, class Place>
-Jet root_over(const Terms& t, const Place& place) {
+Jet root_over(const Terms& t, bool has_root, const Place& place) {
     const TermJets j = terms_over(t, place);
-    return sqrt(square(j.b) + -(j.a * j.c));
+    return has_root ? sqrt(square(j.b) + -(j.a * j.c)) : j.b;
 }
 
 }  // namespace
 
 FormSignature::FormSignature(const FormFamily& family, FormId f) {
-    if (!family.radial.empty() && !family.is_circular(f) && family.radial_form(f).is_hollow) return;
-    has_root = !family.is_circular(f) && (family.radial.empty() || family.radial_form(f).has_root());
+    is_circular = family.is_circular(f);
+    if (!is_circular) {
+        const bool is_radial = !family.radial.empty();
+        has_root = !is_radial || family.radial_form(f).has_root();
+        is_hollow = has_root && is_radial && family.radial_form(f).is_hollow;
+    }
     std::size_t n = 0;
     const auto put = [&](const auto& all) {
         for (const double number : all) numbers[n++] = number;
@@ -184,34 +200,51 @@ FormSignature::FormSignature(const FormFamily& family, FormId f) {
         square_of_scale = has_root ? std::abs(numbers[10] + numbers[12]) : -numbers[0];
     } else {
         const auto& radial = *std::get_if<RadialTerms<double>>(&rough);
+        const auto put_affine = [&](const AffineTerm<double>& a) {
+            put(std::array{a.v0});
+            return put(a.v);
+        };
         ends[0] = put(radial.c);
-        put(std::array{radial.b0});
-        put(radial.b);
-        ends[1] = put(radial.s);
-        ends[2] = put(radial.p);
+        put_affine(radial.b);
+        ends[1] = put_affine(radial.s);
+        ends[2] = put_affine(radial.p);
         const auto& v = numbers;
-        square_of_scale = has_root ? v[10] * v[10] + v[11] * v[11] + v[12] * v[12]
-                                   : std::max({std::abs(v[0]), std::abs(v[1]), v[2]});
+        square_of_scale =
+            is_circular ? std::max({std::abs(v[0]), std::abs(v[1]), v[2]}) : largest(ends[0], ends[1]);
         c_is_square = true;
     }
     scale = std::sqrt(square_of_scale);
 }
 
+double FormSignature::largest(std::size_t from, std::size_t to) const {
+    double most = 0;
+    for (std::size_t i = from; i < to; ++i) most = std::max(most, std::abs(numbers[i]));
+    return most;
+}
+
 std::optional<double> FormSignature::factor(const FormSignature& o) const {
     const double mu = scale / o.scale;
-    if (has_root != o.has_root || !(mu > 0) || !std::isfinite(mu)) return std::nullopt;
-    const auto agree = [&](std::size_t from, std::size_t to, double k) {
-        double most = 0, apart = 0;
-        for (std::size_t i = from; i < to; ++i) {
-            most = std::max(most, std::abs(numbers[i]));
+    if (is_circular != o.is_circular || (has_root && o.has_root && is_hollow != o.is_hollow) || !(mu > 0) ||
+        !std::isfinite(mu))
+        return std::nullopt;
+    // All of a group, beside the largest one in it, or a number that is larger.
+    const auto agree = [&](std::size_t from, std::size_t to, double k, double beside = 0) {
+        double apart = 0;
+        for (std::size_t i = from; i < to; ++i)
             apart = std::max(apart, std::abs(numbers[i] - k * o.numbers[i]));
-        }
-        return apart <= alike * most;
+        return apart <= alike * std::max(beside, largest(from, to));
     };
-    if (!agree(0, ends[0], mu * mu) || !agree(ends[0], ends[1], mu * mu)) return std::nullopt;
-    if (!c_is_square) return agree(ends[1], ends[2], mu * mu) ? std::optional(mu) : std::nullopt;
+    const double lambda = mu * mu, b = largest(ends[0], ends[1]);
+    if (!agree(ends[0], ends[1], lambda)) return std::nullopt;
+    // What lies along the base but for little has next to no a over a plane, or next to no p about an axis.
+    // In the scene's unit heights are no more than some units, and terms no more than some times their
+    // numbers.
+    if (!c_is_square)
+        return agree(0, ends[0], lambda, b) && agree(ends[1], ends[2], lambda) ? std::optional(mu)
+                                                                               : std::nullopt;
+    if (!agree(0, ends[0], lambda)) return std::nullopt;
     for (const double signed_mu : {mu, -mu})
-        if (agree(ends[1], ends[2], signed_mu)) return signed_mu;
+        if (agree(ends[1], ends[2], signed_mu, std::sqrt(b))) return signed_mu;
     return std::nullopt;
 }
 
@@ -237,7 +270,7 @@ std::vector<bool> which_have_twins(std::span<const FormSignature> forms) {
     std::vector<bool> have(forms.size(), false);
     // The nearer twins are, the nearer are their keys.
     constexpr std::size_t most_compared = 64;
-    constexpr double most_terms = 13;
+    constexpr auto most_terms = static_cast<double>(std::tuple_size_v<decltype(FormSignature::numbers)>);
     for (std::size_t i = 0; i < keys.size(); ++i)
         for (std::size_t j = i + 1; j < std::min(keys.size(), i + most_compared); ++j) {
             if (keys[j].number - keys[i].number > most_terms * 2 * alike * keys[i].size) break;
@@ -251,7 +284,7 @@ std::vector<bool> which_have_twins(std::span<const FormSignature> forms) {
 TwinDifference::TwinDifference(const FormFamily& family, FormId f, FormId g, double mu)
     : lambda_((Exact(mu) * Exact(mu)).enclosure()) {
     const FormTerms p = terms(family, f), q = terms(family, g);
-    has_root_ = p.has_root;
+    have_roots_ = {p.has_root, q.has_root};
     const auto enclose = [](const Exact& e) { return e.enclosure(); };
     const auto take = [&]<class Terms>(const Terms& of_f) {
         const Terms& of_g = *std::get_if<Terms>(&q.of);
@@ -267,9 +300,10 @@ FunctionJet<Interval> TwinDifference::difference(const FunctionJet<Interval>& f,
     const auto of = [](const EitherTerms<Interval>& t) -> const Terms& { return *std::get_if<Terms>(&t); };
     const TermJets d = terms_over(of(less_), place);
     const Jet slope = d.a * f + d.b;
-    if (!has_root_) return -((slope + d.b) / (lambda_ * terms_over(of(g_), place).a));
+    const auto& [f_has, g_has] = have_roots_;
+    if (!f_has && !g_has) return -((slope + d.b) / (lambda_ * terms_over(of(g_), place).a));
     return (slope * f + d.b * f + d.c) /
-           (root_over(of(f_), place) + lambda_ * root_over(of(g_), place) + slope);
+           (root_over(of(f_), f_has, place) + lambda_ * root_over(of(g_), g_has, place) + slope);
 }
 
 FunctionJet<Interval> TwinDifference::over(const FunctionJet<Interval>& f, const Interval& x,

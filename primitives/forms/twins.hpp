@@ -13,6 +13,8 @@
 ///     f - g = (da f^2 + 2 db f + dc) / (R_f + lambda R_g + da f + db),      without roots
 ///     f - g = -(da f + 2 db) / (lambda a_g).
 ///
+/// Around a cylinder one of two twins may be along it exactly, without a root; R is b then.
+///
 /// The numerators are as small as the difference is; da, db and dc are computed exactly and rounded once. So
 /// errors are a part of the difference, not of the heights.
 #pragma once
@@ -37,12 +39,19 @@ struct PlaneTerms {
     std::array<T, 6> b, c;
 };
 
-/// a = c0 + c1 y + c2 y^2, b = b0 + b.u + y s.u, c = -(p.u)(q.u) over curved bases; p = q but in differences.
+/// A number and what is linear in a unit vector: v0 + v.u.
+template <class T>
+struct AffineTerm {
+    T v0;
+    std::array<T, 3> v;
+};
+
+/// a = c0 + c1 y + c2 y^2, b = b(u) + y s(u), c = -p(u) q(u) over curved bases. But in differences q = p, or
+/// -p where the object is seen from within.
 template <class T>
 struct RadialTerms {
     std::array<T, 3> c;
-    T b0;
-    std::array<T, 3> b, s, p, q;
+    AffineTerm<T> b, s, p, q;
 };
 
 template <class T>
@@ -50,11 +59,12 @@ using EitherTerms = std::variant<PlaneTerms<T>, RadialTerms<T>>;
 
 /// The numbers of a form in doubles, about: those of a, of b and of c.
 struct FormSignature {
-    std::array<double, 13> numbers{};
+    std::array<double, 15> numbers{};
     std::array<std::size_t, 3> ends{};  ///< of a's, b's and c's
     double scale = 0;                   ///< about the square root of what the equation may be divided by
-    bool has_root = false;
+    bool is_circular = false, has_root = false;
     bool c_is_square = false;  ///< its numbers are those of p
+    bool is_hollow = false;    ///< c is that square, not less than nothing by it
 
     FormSignature() = default;
     FormSignature(const FormFamily& family, FormId f);
@@ -62,6 +72,9 @@ struct FormSignature {
     /// coefficients differ by less than a 2^-10 of the largest ones. It is negative where p_f and p_g have
     /// opposite directions.
     std::optional<double> factor(const FormSignature& o) const;
+
+private:
+    double largest(std::size_t from, std::size_t to) const;
 };
 
 /// Which of the forms are twins of another one; among very many that are much alike not all may be found,
@@ -84,7 +97,7 @@ private:
 
     EitherTerms<Interval> f_, g_, less_;
     Interval lambda_;
-    bool has_root_;
+    std::array<bool, 2> have_roots_{};
 };
 
 }  // namespace vcell
