@@ -33,10 +33,11 @@ struct Direction {
     Vec3 axis = Vec3::Zero();         // a unit vector
     Vec3 along = Vec3::Zero();        // of its axis, from its point to next to the foot
     double rounding = 4 * u;          // of g
-    bool is_tube = false;             // or a hollow one; a cone is none
+    bool has_axis = false;            // a tube's, or a cone's
+    double sine = 0, cosine = 1;      // of half a cone's angle
     bool turns = false;               // with the base, or gives way to a tie
     const Vec3* center = nullptr;     // of a ball or a hollow sphere
-    const Vec3* point = nullptr;      // of a tube's axis
+    const Vec3* point = nullptr;      // of any axis
     const Vec3* direction = nullptr;  // of any axis, as the scene has it
     double sense = 1;                 // -1 of a vessel's
     Vec3 normal = Vec3::Zero();       // a plane's, of a length in [1/2, 2)
@@ -73,7 +74,7 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
         d.from_center = p - center;
     };
     const auto about_axis = [&](const Vec3& point, const Vec3& direction) {
-        d.is_tube = true;
+        d.has_axis = true;
         d.axis = unit;
         d.point = &point;
         d.direction = &direction;
@@ -86,8 +87,9 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     } else if (const auto* vessel = std::get_if<HollowSphere>(&object)) {
         about_center(vessel->center);
     } else if (const auto* cone = std::get_if<HollowCone>(&object)) {
-        d.direction = &cone->axis;
-        from_axis(cone->apex);
+        about_axis(cone->apex, cone->axis);
+        d.sine = cone->sine();
+        d.cosine = cone->cosine();
     } else {
         const auto& tube = std::get<HollowCylinder>(object);
         about_axis(tube.point, tube.axis);
@@ -97,7 +99,7 @@ Direction from_foot(const Object& object, const Vec3& unit, const Vec3& p) {
     // Towards a vessel's wall its distance falls.
     if (is_vessel(object)) d.sense = -1;
     d.g *= d.sense;
-    if (const auto* cone = std::get_if<HollowCone>(&object)) d.g = cone->sine() * unit + cone->cosine() * d.g;
+    if (d.sine > 0) d.g = d.sine * unit + d.cosine * d.g;
     return d;
 }
 
@@ -142,10 +144,13 @@ Row difference(const Direction& b, const Direction& a) {
         row.value = (way - way.dot(a.normal + b.normal) / (length + other) / length * a.normal) / other;
         row.rounding = 32 * u * way.norm() / other;
     }
-    if (a.sense != b.sense || (!(a.center && b.center) && !(a.is_tube && b.is_tube))) return row;
+    if (a.sense != b.sense || (!(a.center && b.center) && !(a.has_axis && b.has_axis))) return row;
+    // Of cones those of one angle that open alike: their unit vectors have a part along the axes, too.
+    if (a.sine != b.sine || a.cosine != b.cosine || (a.sine > 0 && a.axis.dot(b.axis) < 0)) return row;
+    const Vec3 out = a.distance > 0 ? Vec3(a.from_center / a.distance) : a.g;
     if (a.center && row.nearest > 0) {
         // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
-        const Vec3 way = *a.center - *b.center, out = a.sense * a.g;
+        const Vec3 way = *a.center - *b.center;
         row.value = a.sense *
                     (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * out) /
                     b.distance;
@@ -153,18 +158,19 @@ Row difference(const Direction& b, const Direction& a) {
     }
     Vec3 way = b.from_center - a.from_center;
     double tilt = 0;
-    if (a.is_tube && row.nearest > 0) {
+    if (a.has_axis && row.nearest > 0) {
         // So, too, where what cancels in the ways from the axes is the difference of points and of
         // directions.
         const Vec3 turned = tilt_between(*a.direction, *b.direction), points = *b.point - *a.point,
-                   out = a.sense * a.g, from_b = b.along + b.from_center;
+                   from_b = b.along + b.from_center;
         const double sense = b.axis.dot(a.axis) < 0 ? -1 : 1, along = sense * a.axis.dot(a.along),
                      farther = turned.dot(from_b) - sense * a.axis.dot(points);
         way = -points - along * turned - farther * b.axis;
         tilt = turned.norm();
-        row.value = a.sense *
-                    (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * out) /
-                    b.distance;
+        row.value = a.sine * turned +
+                    a.sense * a.cosine *
+                        (way - way.dot(a.from_center + b.from_center) / (a.distance + b.distance) * out) /
+                        b.distance;
         row.rounding = 64 * u * (points.norm() + tilt * (a.along.norm() + from_b.norm())) / row.nearest;
     }
     const double half = 0.5 * row.nearest, apart = way.norm() + tilt * half + row.rounding * row.nearest,
@@ -289,7 +295,7 @@ private:
         Row row = crossing ? *crossing : vcell::difference(object, base);
         row.place = place;
         row.object = object;
-        row.object.turns = object.direction && base.is_tube &&
+        row.object.turns = object.direction && base.has_axis &&
                            cross(ExactVector(*object.direction), ExactVector(*base.direction)).is_zero();
         row.has_object = true;
         return row;
