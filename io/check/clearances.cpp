@@ -331,10 +331,11 @@ std::vector<HeadOn> places_head_on(const Space<Interval>& space, const Object& o
     const Vector<Interval> toward = Interval(one / across) * (d - rise * w), aside = cross(w, toward);
     std::vector<HeadOn> places;
     for (const double side : {-1.0, 1.0}) {
+        // As d = rise w + across toward, d.beside is known however little the axes lean.
         const Vector<Interval> e = cosine * toward + Interval(side) * sine * aside,
                                out = vessel.cosine * e - vessel.sine * w, beside = cross(w, e);
         const Vector<Interval> from =
-            base.point + dot(vessel.point - base.point, beside) / dot(d, beside) * d;
+            base.point + dot(vessel.point - base.point, beside) / (Interval(-side) * sine * across) * d;
         const Interval reach = half * (vessel.radius + base.radius - dot(out, from - vessel.point));
         const Vector<Interval> p = from + reach * out;
         const Interval along = dot(p - vessel.point, e);

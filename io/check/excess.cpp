@@ -85,8 +85,9 @@ Interval ExcessAlong::excess(const Condition& c) const {
 
 std::optional<Interval> ExcessAlong::excess_difference(const Condition& c, const Condition& d) const {
     if (!space_.are_alike(c, d)) return std::nullopt;
-    return space_.object(c.site.index).kind == Kind::plane ? difference_of_planes(c, d)
-                                                           : difference_of_round(c, d);
+    const Surface& object = space_.object(c.site.index);
+    if (object.kind == Kind::plane) return difference_of_planes(c, d);
+    return object.is_cone ? difference_of_cones(c, d) : difference_of_round(c, d);
 }
 
 /// With unit normals m and n, points a and b of the planes: (m - n) (p - a) + n (b - a).
@@ -120,8 +121,9 @@ Form ExcessAlong::squared_difference(const Surface& first, const Surface& second
 }
 
 /// Squared distances A / w^2 = s^2 and B / w^2 = t^2, D the difference of the radii, e the second's excess: s
-/// - t - D times (s + t + D) is (A - B) / w^2 - 2 D (r + radius + e) - D^2. Over a base plane r is
-/// polynomial.
+/// - t - D times (s + t + D) is (A - B) / w^2 - 2 D t - D^2, t = radius + r + e, or radius - r - e in a
+/// hollow one. Over a base plane r is polynomial. With unit axes e, f and apexes a, b cones of one angle
+/// differ by sin ((e - f) (p - a) + f (b - a)) - cos (s - t).
 std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, const Condition& d) const {
     const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
     // A difference of Intervals is no number, even of equal ones.
@@ -139,12 +141,44 @@ std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, con
                    sum = distances / w_ + grown;
     if (!(sum.lower() > 0)) return std::nullopt;
     Interval rest(0.0);
+    const double outwards = first.is_hollow ? -1 : 1;
     if (!are_equal) {
-        const Form reach = Form::combination<2>({{{1.0, &base_}, {second.radius, &weight_}}});
+        const Form reach = Form::combination<2>({{{outwards, &base_}, {second.radius, &weight_}}});
         g = g - (2 * grown) * (reach * weight_) - square(grown) * square(weight_);
-        rest = 2 * (grown * object_excess(second));
+        rest = 2 * outwards * (grown * object_excess(second));
     }
-    return (g.range() / square(w_) - rest) / sum;
+    return outwards * ((g.range() / square(w_) - rest) / sum);
+}
+
+/// Cones of one angle, S and K its sine and cosine, with heights h over their apexes and excesses e = S h - K
+/// s
+/// - r: the difference of these times K (s + t) = S (h_1 + h_2) - 2 r - e_1 - e_2 is (P - 2 H r) / w^2 - H
+/// (e_1 + e_2) / w, with H / w = S (h_1 - h_2) and P / w^2 = S^2 (h_1^2 - h_2^2) - K^2 (s^2 - t^2).
+std::optional<Interval> ExcessAlong::difference_of_cones(const Condition& c, const Condition& d) const {
+    const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index),
+                  &base = space_.base();
+    const auto axes = space_.near_axes(c, d);
+    if (!axes) return std::nullopt;
+    const auto& [turn, f] = *axes;
+    const Vector<Interval> origin = to_vector<Interval>(net_.origin()), x = origin - first.point,
+                           y = origin - second.point, both = turn + Interval(2.0) * f;
+    const Interval &S = first.sine, &K = first.cosine;
+    const Form H = inner(S * turn, position_, S * (dot(turn, x) + dot(f, second.point - first.point)),
+                         weight_),
+               sum = inner(S * both, position_,
+                           S * (dot(turn + f, x) + dot(f, y)) + Interval(2.0) * base.radius, weight_);
+    const Form P = H * sum - square(K) * squared_difference(first, second, axes);
+    const Interval distances =
+        K * (sqrt(squared_distance(first).range()) + sqrt(squared_distance(second).range())) / w_;
+    if (!(distances.lower() > 0)) return std::nullopt;
+    const Interval apart = H.range() / w_, rest = apart * (object_excess(first) + object_excess(second));
+    if (base.kind == Kind::plane)
+        return ((P - MidRad(2.0) * (H * base_)).range() / square(w_) - rest) / distances;
+    const Interval q = clearance_ + base.radius;
+    const Interval difference = sharpened(P.range() / square(w_), 2 * (apart * q), [&] {
+        return (square(P) - MidRad(4.0) * (square(H) * base_)).range() / square(square(w_));
+    });
+    return (difference - rest) / distances;
 }
 
 /// Squared distances A / w^2 = s^2 and B / w^2 = t^2 from what a body and a base like it are about: s - t is

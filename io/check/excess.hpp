@@ -34,6 +34,7 @@ private:
     std::optional<Interval> difference_of_planes(const Condition& c, const Condition& d) const;
     Form squared_difference(const Surface& first, const Surface& second,
                             const std::optional<std::array<Vector<Interval>, 2>>& axes) const;
+    std::optional<Interval> difference_of_cones(const Condition& c, const Condition& d) const;
     std::optional<Interval> difference_of_round(const Condition& c, const Condition& d) const;
     std::optional<Interval> excess_of_twin(std::uint32_t object) const;
     Interval above_plane(const Surface& object) const;

@@ -237,13 +237,13 @@ public:
         const auto apart = unit_difference(c, d, p);
         return apart ? intersection(plain, *apart) : plain;
     }
-    /// Are they two balls, or two planes or tubes that are next to each other? Only what is gained depends on
-    /// the answer, and what that costs.
+    /// Are they two balls, or two planes, tubes or cones that are next to each other, both seen from without,
+    /// or both from within? Only what is gained depends on the answer, and what that costs.
     bool are_alike(const Condition& c, const Condition& d) const {
         if (!c.is_of_object() || !d.is_of_object()) return false;
         const Object &a = scene_.objects[c.site.index], &b = scene_.objects[d.site.index];
-        if (a.index() != b.index() || is_vessel(a)) return false;
-        if (std::holds_alternative<Sphere>(a)) return true;
+        if (a.index() != b.index()) return false;
+        if (std::holds_alternative<Sphere>(a) || std::holds_alternative<HollowSphere>(a)) return true;
         const double far = much * scene_.box.diagonal();
         if (const auto* plane = std::get_if<Plane>(&a)) {
             const auto& other = std::get<Plane>(b);
@@ -251,20 +251,22 @@ public:
             return n.cross(other.normal.stableNormalized()).norm() < much &&
                    std::abs(n.dot(other.point - plane->point)) < far;
         }
-        const auto &tube = std::get<Cylinder>(a), &other = std::get<Cylinder>(b);
-        const Vec3 axis = tube.axis.stableNormalized();
-        return axis.cross(other.axis.stableNormalized()).norm() < much &&
-               axis.cross(other.point - tube.point).norm() < far;
+        const auto axis = axis_of(a), other = axis_of(b);
+        if (const auto* cone = std::get_if<HollowCone>(&a), *other_cone = std::get_if<HollowCone>(&b);
+            cone && !(cone->radius == other_cone->radius && cone->slant == other_cone->slant &&
+                      (other.point - axis.point).norm() < far))
+            return false;
+        return are_beside(axis, other);
     }
     /// Is it a ball next to a base ball, or a tube next to a base tube? What their distances and gradients
     /// differ by is known to a part of that.
     bool is_twin_of_base(std::uint32_t i) const {
         return !twins_of_base_.empty() && std::ranges::binary_search(twins_of_base_, i);
     }
-    /// The normals of two planes, towards the side that p is on, where they are much alike.
-    std::optional<std::array<Vector<T>, 2>> near_normals(const Condition& c, const Condition& d,
-                                                         const Vector<T>& p) const {
-        std::array<Vector<T>, 2> normals;
+    /// What the first of two planes' unit normals differs by from the second's, both towards the side that p
+    /// is on, where they are much alike.
+    std::optional<Vector<T>> near_normals(const Condition& c, const Condition& d, const Vector<T>& p) const {
+        std::array<Vec3, 2> normals;
         for (std::size_t k = 0; k < 2; ++k) {
             const Condition& e = k == 0 ? c : d;
             const auto* plane =
@@ -275,26 +277,25 @@ public:
                 return s.is_sided ? dot(s.direction, to_vector<T>(plane->normal)) : s.distance(p);
             });
             if (!(towards.lower() > 0) && !(towards.upper() < 0)) return std::nullopt;
-            normals[k] = to_vector<T>(towards.lower() > 0 ? plane->normal : Vec3(-plane->normal));
+            normals[k] = towards.lower() > 0 ? plane->normal : Vec3(-plane->normal);
         }
-        if (!are_near(normals[0], normals[1])) return std::nullopt;
-        return normals;
+        return near_difference(normals[0], normals[1]);
     }
-    /// Of two tubes whose axes are much alike: how the first's differs from the second's, and that one, both
-    /// in the first's direction.
+    /// Of two tubes or cones whose axes are much alike: how the first's differs from the second's, and that
+    /// one, both in the first's direction.
     std::optional<std::array<Vector<T>, 2>> near_axes(const Condition& c, const Condition& d) const {
-        const auto axis = [&](const Condition& e) {
-            return to_vector<T>(std::get<Cylinder>(scene_.objects[e.site.index]).axis);
+        const auto axis = [&](const Condition& e) -> Vec3 {
+            return axis_of(scene_.objects[e.site.index]).along;
         };
         return near_axes(axis(c), axis(d), object(d.site.index).direction);
     }
     /// `unit`: the second's of length one.
-    static std::optional<std::array<Vector<T>, 2>> near_axes(const Vector<T>& e, const Vector<T>& own,
+    static std::optional<std::array<Vector<T>, 2>> near_axes(const Vec3& own, const Vec3& other,
                                                              const Vector<T>& unit) {
-        const bool is_opposite = dot(e, own).upper() < 0;
-        const Vector<T> f = is_opposite ? negative(own) : own;
-        if (!are_near(e, f)) return std::nullopt;
-        return std::array{difference(e, f, e - f), is_opposite ? negative(unit) : unit};
+        const bool is_opposite = own.dot(other) < 0;
+        const auto turn = near_difference(own, is_opposite ? Vec3(-other) : other);
+        if (!turn) return std::nullopt;
+        return std::array{*turn, is_opposite ? negative(unit) : unit};
     }
     /// Of an object's distance.
     Vector<T> object_gradient(std::uint32_t i, const Vector<T>& p) const {
@@ -326,22 +327,33 @@ public:
 
     /// A tube next to a base tube has them with that.
     std::optional<std::array<Vector<T>, 2>> axes_of_twin(std::uint32_t i) const {
-        return near_axes(to_vector<T>(std::get<Cylinder>(scene_.objects[i]).axis),
-                         to_vector<T>(std::get<Cylinder>(scene_.base).axis), base_.direction);
+        return near_axes(std::get<Cylinder>(scene_.objects[i]).axis, std::get<Cylinder>(scene_.base).axis,
+                         base_.direction);
     }
 
 private:
     static constexpr double much = 0x1p-6;  // of what objects next to each other differ by
 
+    /// Of a tube or a cone.
+    struct Axis {
+        Vec3 point, along;
+    };
+    static Axis axis_of(const Object& object) {
+        if (const auto* tube = std::get_if<Cylinder>(&object)) return {tube->point, tube->axis};
+        if (const auto* tube = std::get_if<HollowCylinder>(&object)) return {tube->point, tube->axis};
+        const auto& cone = std::get<HollowCone>(object);
+        return {cone.apex, cone.axis};
+    }
+    bool are_beside(const Axis& a, const Axis& b) const {
+        const Vec3 along = a.along.stableNormalized();
+        return along.cross(b.along.stableNormalized()).norm() < much &&
+               along.cross(b.point - a.point).norm() < much * scene_.box.diagonal();
+    }
     bool is_beside(const Object& a, const Object& b) const {
-        const double far = much * scene_.box.diagonal();
         if (const auto* ball = std::get_if<Sphere>(&a), *other = std::get_if<Sphere>(&b); ball && other)
-            return (other->center - ball->center).norm() < far;
-        const auto *tube = std::get_if<Cylinder>(&a), *other = std::get_if<Cylinder>(&b);
-        if (!tube || !other) return false;
-        const Vec3 axis = tube->axis.stableNormalized();
-        return axis.cross(other->axis.stableNormalized()).norm() < much &&
-               axis.cross(other->point - tube->point).norm() < far;
+            return (other->center - ball->center).norm() < much * scene_.box.diagonal();
+        return std::holds_alternative<Cylinder>(a) && std::holds_alternative<Cylinder>(b) &&
+               are_beside(axis_of(a), axis_of(b));
     }
 
     /// The ways to p from the centre or the axis of a body, and of one like it, and what they differ by.
@@ -412,8 +424,21 @@ private:
     static Vector<T> intersection(const Vector<T>& a, const Vector<T>& b) {
         return {intersection(a[0], b[0]), intersection(a[1], b[1]), intersection(a[2], b[2])};
     }
-    static bool are_near(const Vector<T>& a, const Vector<T>& b) {
-        return (square(a - b) - T(much) * square(a)).upper() < 0;
+    /// a / |a| - b / |b| of vectors in much the same direction. Where their lengths differ much b is taken as
+    /// long as a, and what rounds that in two doubles: a - b is exact.
+    static std::optional<Vector<T>> near_difference(const Vec3& a, const Vec3& b) {
+        double ratio = a.stableNorm() / b.stableNorm();
+        if (std::abs(ratio - 1) < much) ratio = 1;
+        Vector<T> e, f, way;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double own = a[static_cast<Eigen::Index>(k)], other = b[static_cast<Eigen::Index>(k)],
+                         high = ratio * other, low = std::fma(ratio, other, -high);
+            e[k] = T(own);
+            f[k] = T(high) + T(low);
+            way[k] = (T(own) - T(high)) - T(low);
+        }
+        if (!((square(way) - T(much) * square(e)).upper() < 0)) return std::nullopt;
+        return difference(e, f, way);
     }
     /// a / |a| - b / |b| = (a - b - ((s - t) / t) b) / s with the lengths s and t, s - t = (a - b) (a + b) /
     /// (s + t). `way`: a - b.
@@ -426,10 +451,7 @@ private:
     std::optional<Vector<T>> unit_difference(const Condition& c, const Condition& d,
                                              const Vector<T>& p) const {
         if (!are_alike(c, d)) return std::nullopt;
-        if (const auto normals = near_normals(c, d, p)) {
-            const auto& [a, b] = *normals;
-            return difference(a, b, a - b);
-        }
+        if (const auto turn = near_normals(c, d, p)) return turn;
         const Surface<T> first = object(c.site.index), second = object(d.site.index);
         if (first.kind == Surface<T>::Kind::plane) return std::nullopt;
         std::optional<std::array<Vector<T>, 2>> axes;
@@ -438,7 +460,9 @@ private:
             if (!axes) return std::nullopt;
         }
         const Ways ways = ways_between(first, second, p, axes);
-        return difference(ways.to, ways.from, ways.apart);
+        const Vector<T> outwards = difference(ways.to, ways.from, ways.apart);
+        if (first.is_cone) return first.sine * (*axes)[0] - first.cosine * outwards;
+        return first.is_hollow ? negative(outwards) : outwards;
     }
 
     /// A circle about the axis reaches as far towards a side as its radius times the sine of their angle.
