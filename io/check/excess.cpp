@@ -122,8 +122,7 @@ Form ExcessAlong::squared_difference(const Surface& first, const Surface& second
 
 /// Squared distances A / w^2 = s^2 and B / w^2 = t^2, D the difference of the radii, e the second's excess: s
 /// - t - D times (s + t + D) is (A - B) / w^2 - 2 D t - D^2, t = radius + r + e, or radius - r - e in a
-/// hollow one. Over a base plane r is polynomial. With unit axes e, f and apexes a, b cones of one angle
-/// differ by sin ((e - f) (p - a) + f (b - a)) - cos (s - t).
+/// hollow one. Over a base plane r is polynomial.
 std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, const Condition& d) const {
     const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
     // A difference of Intervals is no number, even of equal ones.
@@ -150,10 +149,10 @@ std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, con
     return outwards * ((g.range() / square(w_) - rest) / sum);
 }
 
-/// Cones of one angle, S and K its sine and cosine, with heights h over their apexes and excesses e = S h - K
-/// s
-/// - r: the difference of these times K (s + t) = S (h_1 + h_2) - 2 r - e_1 - e_2 is (P - 2 H r) / w^2 - H
-/// (e_1 + e_2) / w, with H / w = S (h_1 - h_2) and P / w^2 = S^2 (h_1^2 - h_2^2) - K^2 (s^2 - t^2).
+/// Cones of one angle, S and K its sine and cosine, with heights g and h over their apexes, distances s and t
+/// from their axes and excesses S g - K s - r and S h - K t - r: the difference of these times K (s + t) = S
+/// (g + h) - 2 r, less both excesses, is (P - 2 H r) / w^2, less H / w times both. H / w is S (g - h), and
+/// P / w^2 is S^2 (g^2 - h^2) - K^2 (s^2 - t^2).
 std::optional<Interval> ExcessAlong::difference_of_cones(const Condition& c, const Condition& d) const {
     const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index),
                   &base = space_.base();

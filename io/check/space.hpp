@@ -254,7 +254,7 @@ public:
         const auto axis = axis_of(a), other = axis_of(b);
         if (const auto* cone = std::get_if<HollowCone>(&a), *other_cone = std::get_if<HollowCone>(&b);
             cone && !(cone->radius == other_cone->radius && cone->slant == other_cone->slant &&
-                      (other.point - axis.point).norm() < far))
+                      axis.along.dot(other.along) > 0 && (other.point - axis.point).norm() < far))
             return false;
         return are_beside(axis, other);
     }
@@ -425,17 +425,19 @@ private:
         return {intersection(a[0], b[0]), intersection(a[1], b[1]), intersection(a[2], b[2])};
     }
     /// a / |a| - b / |b| of vectors in much the same direction. Where their lengths differ much b is taken as
-    /// long as a, and what rounds that in two doubles: a - b is exact.
+    /// long as a, and two doubles have what that makes of it: nothing rounds a - b.
     static std::optional<Vector<T>> near_difference(const Vec3& a, const Vec3& b) {
+        constexpr double least_exact = 0x1p-900;
         double ratio = a.stableNorm() / b.stableNorm();
         if (std::abs(ratio - 1) < much) ratio = 1;
         Vector<T> e, f, way;
         for (std::size_t k = 0; k < 3; ++k) {
             const double own = a[static_cast<Eigen::Index>(k)], other = b[static_cast<Eigen::Index>(k)],
                          high = ratio * other, low = std::fma(ratio, other, -high);
+            const bool is_exact = ratio == 1 || std::abs(high) > least_exact;
             e[k] = T(own);
-            f[k] = T(high) + T(low);
-            way[k] = (T(own) - T(high)) - T(low);
+            f[k] = T(ratio) * T(other);
+            way[k] = is_exact ? (T(own) - T(high)) - T(low) : e[k] - f[k];
         }
         if (!((square(way) - T(much) * square(e)).upper() < 0)) return std::nullopt;
         return difference(e, f, way);

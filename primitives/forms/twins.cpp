@@ -227,7 +227,8 @@ std::optional<double> FormSignature::factor(const FormSignature& o) const {
     if (is_circular != o.is_circular || (has_root && o.has_root && is_hollow != o.is_hollow) || !(mu > 0) ||
         !std::isfinite(mu))
         return std::nullopt;
-    // All of a group, beside the largest one in it, or a number that is larger.
+    // A group agrees whose numbers differ by little beside its largest one, or beside a number that is
+    // larger.
     const auto agree = [&](std::size_t from, std::size_t to, double k, double beside = 0) {
         double apart = 0;
         for (std::size_t i = from; i < to; ++i)

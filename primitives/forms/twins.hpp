@@ -64,7 +64,7 @@ struct FormSignature {
     double scale = 0;                   ///< about the square root of what the equation may be divided by
     bool is_circular = false, has_root = false;
     bool c_is_square = false;  ///< its numbers are those of p
-    bool is_hollow = false;    ///< c is that square, not less than nothing by it
+    bool is_hollow = false;    ///< c is that square, and not its negative
 
     FormSignature() = default;
     FormSignature(const FormFamily& family, FormId f);
