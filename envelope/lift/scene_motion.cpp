@@ -145,10 +145,12 @@ Row difference(const Direction& b, const Direction& a) {
         row.rounding = 32 * u * way.norm() / other;
     }
     if (a.sense != b.sense || (!(a.center && b.center) && !(a.has_axis && b.has_axis))) return row;
-    // Of cones those of one angle that open alike: their unit vectors have a part along the axes, too.
+    // The unit vectors of cones have a part along the axes, too: these turn alike where the angles are one
+    // and the cones open the same way.
     if (a.sine != b.sine || a.cosine != b.cosine || (a.sine > 0 && a.axis.dot(b.axis) < 0)) return row;
-    const Vec3 out = a.distance > 0 ? Vec3(a.from_center / a.distance) : a.g;
-    if (a.center && row.nearest > 0) {
+    if (!(row.nearest > 0)) return row;
+    const Vec3 out = a.from_center / a.distance;
+    if (a.center) {
         // m_b / |m_b| - m_a / |m_a|, of which nothing cancels but in m_b - m_a, the centres' difference.
         const Vec3 way = *a.center - *b.center;
         row.value = a.sense *
@@ -158,7 +160,7 @@ Row difference(const Direction& b, const Direction& a) {
     }
     Vec3 way = b.from_center - a.from_center;
     double tilt = 0;
-    if (a.has_axis && row.nearest > 0) {
+    if (a.has_axis) {
         // So, too, where what cancels in the ways from the axes is the difference of points and of
         // directions.
         const Vec3 turned = tilt_between(*a.direction, *b.direction), points = *b.point - *a.point,
@@ -175,7 +177,7 @@ Row difference(const Direction& b, const Direction& a) {
     }
     const double half = 0.5 * row.nearest, apart = way.norm() + tilt * half + row.rounding * row.nearest,
                  turn = (tilt + 2 * apart / half) / half;
-    if (half > 0 && turn < row.turn) {
+    if (turn < row.turn) {
         row.nearest = half;
         row.turn = turn;
     }

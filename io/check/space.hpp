@@ -281,8 +281,8 @@ public:
         }
         return near_difference(normals[0], normals[1]);
     }
-    /// Of two tubes or cones whose axes are much alike: how the first's differs from the second's, and that
-    /// one, both in the first's direction.
+    /// Two tubes or cones have axes that are much alike: this is how the first's differs from the second's,
+    /// and the second's, both in the first's direction.
     std::optional<std::array<Vector<T>, 2>> near_axes(const Condition& c, const Condition& d) const {
         const auto axis = [&](const Condition& e) -> Vec3 {
             return axis_of(scene_.objects[e.site.index]).along;
@@ -334,7 +334,7 @@ public:
 private:
     static constexpr double much = 0x1p-6;  // of what objects next to each other differ by
 
-    /// Of a tube or a cone.
+    /// Tubes and cones have one, of any length.
     struct Axis {
         Vec3 point, along;
     };

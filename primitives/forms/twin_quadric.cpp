@@ -17,7 +17,7 @@ std::optional<SpaceQuadric> twin_quadric(const FormFamily& family, FormId f, For
     if (!mu) return std::nullopt;
     const auto p = space_quadrics::equation(family, f), q = space_quadrics::equation(family, g);
     const Exact lambda = square(Exact(*mu));
-    // Of walls over a plane the equation is negative where the wall is farther than the plane.
+    // A wall's equation over a plane is negative where the wall is farther than the plane.
     const bool is_wall = family.radial.empty() && !family.is_circular(f) && family.cylinder(f).is_hollow();
     const auto coefficient = [&](std::size_t i, std::size_t j) {
         const std::size_t at = term(unknowns, i, j);
