@@ -93,7 +93,7 @@ DiagramCommand::DiagramCommand(CLI::App& app)
     command_
         .add_option(
             "--network", network_,
-            "tables of the void network of balls: what spheres fit in and get through, vertices, edges; of FILE.csv as "
+            "tables of the void network: what spheres fit in and get through, vertices, edges, passages; of FILE.csv as "
             "OpenPNM reads it")
         ->type_name("FILE");
     scene_.add_to(command_);
@@ -136,11 +136,12 @@ Status DiagramCommand::run() const {
         options.threads = threads_.count();
         options.progress = [&](double fraction) { bar.show("cells", fraction); };
         options.bodies = bodies_;
+        options.complete = network.has_value();
         if (network || moments)
             options.visit = [&](std::uint32_t object, const Cell& cell) {
-                if (!std::holds_alternative<Sphere>(scene.objects[object])) return;
                 if (network) network->add(object, cell);
-                if (moments) write_moment_row(moments->stream(), scene, object, moments_of(cell));
+                if (moments && std::holds_alternative<Sphere>(scene.objects[object]))
+                    write_moment_row(moments->stream(), scene, object, moments_of(cell));
             };
         diagram = scene_.about([&] { return outputs->compute(scene, options); });
     }

@@ -18,7 +18,6 @@ namespace vcell::whole {
 namespace {
 
 using Kind = InputError::Kind;
-constexpr Image here{0, 0, 0};
 
 std::vector<BallTree::Entry> balls_of(const DiagramScene& scene) {
     std::vector<BallTree::Entry> balls;

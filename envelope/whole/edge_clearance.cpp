@@ -1,10 +1,17 @@
 #include "edge_clearance.hpp"
 
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <queue>
+#include <vector>
 
+#include "../../core/curves/restricted_curve.hpp"
 #include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/wide.hpp"
+#include "../object_distance.hpp"
 
 namespace vcell::whole {
 
@@ -142,7 +149,275 @@ std::optional<bool> is_on_arc(const std::array<Sphere, 3>& balls, const EdgeArc&
     return *first != *second;
 }
 
+struct Range {
+    double low = infinity, high = -infinity;
+
+    void extend(double x) {
+        low = std::min(low, x);
+        high = std::max(high, x);
+    }
+};
+
+// Of the distance from an object along a Bezier span, but for a few roundings of coordinates.
+class DistanceAlong {
+public:
+    explicit DistanceAlong(const Object& object) : object_(object) {
+        if (const auto* tube = std::get_if<Cylinder>(&object)) axis_ = tube->axis.stableNormalized();
+        if (const auto* ball = std::get_if<Sphere>(&object)) radius_ = ball->radius;
+        if (const auto* tube = std::get_if<Cylinder>(&object)) radius_ = tube->radius;
+    }
+
+    Range operator()(const RationalCurve3& span) const {
+        Range range;
+        if (const auto* plane = std::get_if<Plane>(&object_)) {
+            const Vec3 n = plane->normal.stableNormalized();
+            for (const Eigen::Vector4d& c : span.points) range.extend(n.dot(c.head<3>() - plane->point));
+            if (range.high <= 0) return {-range.high, -range.low};
+            return range.low >= 0 ? range : Range{0, std::max(-range.low, range.high)};
+        }
+        // Coefficient k of |p|^2 w^2 is the sum of C(n, i) C(n, k - i) w_i w_(k - i) p_i p_(k - i) over i,
+        // but for a factor that that of w^2 has, too.
+        const std::size_t n = span.points.size() - 1;
+        std::vector<Vec3> arms;
+        std::vector<double> weights;
+        double binomial = 1, longest = 0;
+        for (std::size_t i = 0; i <= n; ++i) {
+            const Vec3 arm = span.points[i].head<3>() - place_of(object_);
+            arms.push_back(axis_ ? Vec3(arm - axis_->dot(arm) * *axis_) : arm);
+            longest = std::max(longest, arms.back().squaredNorm());
+            weights.push_back(binomial * span.points[i][3]);
+            binomial *= static_cast<double>(n - i) / static_cast<double>(i + 1);
+        }
+        for (std::size_t k = 0; k <= 2 * n; ++k) {
+            double squared = 0, weight = 0;
+            for (std::size_t i = k < n ? 0 : k - n; i <= std::min(k, n); ++i) {
+                const double w = weights[i] * weights[k - i];
+                squared += w * arms[i].dot(arms[k - i]);
+                weight += w;
+            }
+            range.extend(squared / weight);
+        }
+        // Where the span comes near to the centre or the axis these products cancel.
+        const double slack = 64 * std::numeric_limits<double>::epsilon() * longest;
+        return {std::sqrt(std::max(0.0, range.low - slack)) - radius_,
+                std::sqrt(std::max(0.0, range.high) + slack) - radius_};
+    }
+
+private:
+    const Object& object_;
+    std::optional<Vec3> axis_;  // none: distances are from a point
+    double radius_ = 0;
+};
+
+std::vector<RationalCurve3> spans_of(const RationalCurve3& curve) {
+    std::vector<RationalCurve3> spans;
+    for (std::size_t i = 0; i + 1 < curve.knots.size(); ++i)
+        if (curve.knots[i] < curve.knots[i + 1])
+            spans.push_back(restricted(curve, curve.knots[i], curve.knots[i + 1]));
+    return spans;
+}
+
+struct LeastAlong {
+    Interval value;
+    double parameter;  // of a span that may have it
+};
+
+// Encloses the least value along a curve. `bounds` gives a span's, `enough` is how narrow they need be.
+template <class Bounds>
+LeastAlong least_along(const RationalCurve3& curve, double enough, Bounds bounds) {
+    struct Span {
+        RationalCurve3 curve;
+        double low;
+        bool operator<(const Span& other) const { return low > other.low; }  // the least one comes first
+    };
+    std::priority_queue<Span> waiting;
+    double known = infinity, parameter = curve.domain_begin();  // the least value is no larger
+    const auto add = [&](RationalCurve3 span) {
+        const Range range = bounds(span);
+        if (range.high < known) {
+            known = range.high;
+            parameter = std::midpoint(span.domain_begin(), span.domain_end());
+        }
+        if (range.low <= known) waiting.push({std::move(span), range.low});
+    };
+    for (RationalCurve3& span : spans_of(curve)) add(std::move(span));
+    // Far more than the halvings down to roundings of a handful of places that are about as narrow.
+    constexpr int most_halvings = 4096;
+    for (int n = 0; n < most_halvings && !waiting.empty() && known - waiting.top().low > enough; ++n) {
+        const RationalCurve3 span = waiting.top().curve;
+        const double begin = span.domain_begin(), end = span.domain_end(), middle = std::midpoint(begin, end);
+        if (!(begin < middle && middle < end)) break;
+        waiting.pop();
+        add(restricted(span, begin, middle));
+        add(restricted(span, middle, end));
+    }
+    return {{waiting.empty() ? known : std::min(known, waiting.top().low), known}, parameter};
+}
+
+double size_of(const RationalCurve3& curve) {
+    double size = 0;
+    for (const Eigen::Vector4d& c : curve.points) size = std::max(size, c.head<3>().cwiseAbs().sum());
+    return size;
+}
+// Of some operations on coordinates as large as that, when spans are halved and bounded.
+double rounding_of(double size) { return 64 * std::numeric_limits<double>::epsilon() * size; }
+
+// Of an arc that is no farther from the curve than `off`, if values change no faster than places.
+template <class Bounds>
+Extremes extremes_along(const RationalCurve3& curve, double off, Bounds bounds) {
+    const auto opposite = [&](const RationalCurve3& span) {
+        const Range range = bounds(span);
+        return Range{-range.high, -range.low};
+    };
+    const Interval blur(-off, off);
+    return {least_along(curve, off, bounds).value + blur, -least_along(curve, off, opposite).value + blur};
+}
+
+// ---- The narrowest place of a trisector
+
+// The distance from a convex object about a point.
+struct ConvexDistance {
+    double value;
+    Vec3 gradient;
+    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+    double arm = infinity;  // from the centre or the axis: the hessian is no larger than its inverse
+};
+
+std::optional<ConvexDistance> convex_distance(const Object& object, const Vec3& p) {
+    if (is_vessel(object)) return std::nullopt;
+    ConvexDistance d{distance_from(object, p), Vec3::Zero()};
+    if (const auto* plane = std::get_if<Plane>(&object)) {
+        const Vec3 n = plane->normal.stableNormalized();
+        d.gradient = n.dot(p - plane->point) < 0 ? Vec3(-n) : n;
+        return d;
+    }
+    Vec3 arm = p - place_of(object);
+    Eigen::Matrix3d across = Eigen::Matrix3d::Identity();
+    if (const auto* tube = std::get_if<Cylinder>(&object)) {
+        const Vec3 axis = tube->axis.stableNormalized();
+        across -= axis * axis.transpose();
+        arm = across * arm;
+    }
+    d.arm = arm.norm();
+    d.gradient = arm / d.arm;
+    d.hessian = (across - d.gradient * d.gradient.transpose()) / d.arm;
+    return d;
+}
+
+// Where a trisector may have its least clearance, and the mean of gradients that all but vanishes there.
+struct NarrowPlace {
+    Vec3 point;
+    std::array<ConvexDistance, 3> distances;
+    std::array<double, 3> weights;
+
+    double clearance() const {
+        return weights[0] * distances[0].value + weights[1] * distances[1].value +
+               weights[2] * distances[2].value;
+    }
+    double slope() const {
+        return (weights[0] * distances[0].gradient + weights[1] * distances[1].gradient +
+                weights[2] * distances[2].gradient)
+            .norm();
+    }
+};
+
+// By Newton's steps for the conditions of Lagrange; none where they lead to no mean. Nothing is proved here.
+std::optional<NarrowPlace> narrow_place_near(const std::array<const Object*, 3>& objects, Vec3 p) {
+    constexpr int steps = 8;
+    NarrowPlace narrowest;
+    Eigen::Vector2d weights(1.0 / 3, 1.0 / 3);  // of the second and the third object
+    for (int n = 0;; ++n) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::optional<ConvexDistance> d = convex_distance(*objects[i], p);
+            if (!d || !std::isfinite(d->value) || !(d->arm > 0)) return std::nullopt;
+            narrowest.distances[i] = *d;
+        }
+        const auto& [own, first, second] = narrowest.distances;
+        Eigen::Matrix<double, 3, 2> across;
+        across << first.gradient - own.gradient, second.gradient - own.gradient;
+        // Weights as good as they can be in this point, before and after the steps.
+        if (n == 0 || n == steps) weights = across.colPivHouseholderQr().solve(-own.gradient);
+        if (n == steps) break;
+        const double rest = 1 - weights.sum();
+        Eigen::Matrix<double, 5, 5> system = Eigen::Matrix<double, 5, 5>::Zero();
+        system.topLeftCorner<3, 3>() =
+            rest * own.hessian + weights[0] * first.hessian + weights[1] * second.hessian;
+        system.topRightCorner<3, 2>() = across;
+        system.bottomLeftCorner<2, 3>() = across.transpose();
+        Eigen::Matrix<double, 5, 1> residual;
+        residual << own.gradient + across * weights, first.value - own.value, second.value - own.value;
+        const Eigen::Matrix<double, 5, 1> step = system.fullPivLu().solve(-residual);
+        if (!step.allFinite()) return std::nullopt;
+        p += step.head<3>();
+        weights += step.tail<2>();
+    }
+    narrowest.point = p;
+    narrowest.weights = {1 - weights.sum(), weights[0], weights[1]};
+    return std::ranges::all_of(narrowest.weights, [](double w) { return w >= 0; }) ? std::optional(narrowest)
+                                                                                   : std::nullopt;
+}
+
+// A point of the curve next to another point, from a parameter not far off.
+Vec3 point_near(const RationalCurve3& curve, double t, const Vec3& other) {
+    constexpr int steps = 8;
+    for (int n = 0; n < steps; ++n) {
+        const auto [p, d] = curve.evaluate_with_derivative(t);
+        if (const double step = (other - p).dot(d) / d.squaredNorm(); std::isfinite(step))
+            t = std::clamp(t + step, curve.domain_begin(), curve.domain_end());
+    }
+    return curve.evaluate(t);
+}
+
+// Bounds on the least clearance along an arc that comes as near as `off` to the narrowest place, coordinates
+// being no larger than `size`.
+Interval least_through(const NarrowPlace& narrowest, const RationalCurve3& curve, double off, double size) {
+    constexpr double few_roundings = 128 * std::numeric_limits<double>::epsilon();
+    double farthest = off, bend = 0, slope = narrowest.slope() + few_roundings;
+    for (const Eigen::Vector4d& c : curve.points)
+        farthest = std::max(farthest, (c.head<3>() - narrowest.point).norm() + off);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double arm = narrowest.distances[i].arm;
+        slope += few_roundings * size / arm;
+        if (arm < infinity) bend += arm > off ? narrowest.weights[i] / (arm - off) : infinity;
+    }
+    const double c = narrowest.clearance(), rounding = few_roundings * size;
+    return {c - slope * farthest - rounding, c + slope * off + 0.5 * bend * off * off + rounding};
+}
+
 }  // namespace
+
+Extremes united(const Extremes& a, const Extremes& b) {
+    return {
+        {std::min(a.least.lower(), b.least.lower()), std::min(a.least.upper(), b.least.upper())},
+        {std::max(a.greatest.lower(), b.greatest.lower()), std::max(a.greatest.upper(), b.greatest.upper())}};
+}
+
+Extremes clearance_along(const std::array<const Object*, 3>& objects, const RationalCurve3& curve,
+                         double error) {
+    double size = size_of(curve);
+    for (const Object* object : objects) size = std::max(size, place_of(*object).cwiseAbs().sum());
+    const double off = error + rounding_of(size);
+    const DistanceAlong distance(*objects[0]);
+    Extremes range = extremes_along(curve, off, distance);
+    const double least = least_along(curve, off, distance).parameter;
+    if (const std::optional<NarrowPlace> narrowest = narrow_place_near(objects, curve.evaluate(least))) {
+        const Vec3 near = point_near(curve, least, narrowest->point);
+        const Interval through =
+            least_through(*narrowest, curve, (narrowest->point - near).norm() + off, size);
+        range.least = Interval(std::max(range.least.lower(), through.lower()),
+                               std::min(range.least.upper(), through.upper()));
+    }
+    return range;
+}
+
+Extremes height_along(const Vec3& origin, const Vec3& direction, const RationalCurve3& curve, double error) {
+    const double off = error + rounding_of(std::max(size_of(curve), origin.cwiseAbs().sum()));
+    return extremes_along(curve, off, [&](const RationalCurve3& span) {
+        Range range;
+        for (const Eigen::Vector4d& c : span.points) range.extend(direction.dot(c.head<3>() - origin));
+        return range;
+    });
+}
 
 std::optional<Interval> least_clearance(const std::array<Sphere, 3>& balls, const EdgeArc& arc) {
     const auto end = [&](int i) {

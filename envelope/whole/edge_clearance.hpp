@@ -1,9 +1,10 @@
-/// The least clearance along an edge of three balls' equal distances.
+/// The least clearance along an edge, and the greatest one.
 #pragma once
 
 #include <array>
 #include <optional>
 
+#include "../../core/curves/bspline.hpp"
 #include "../../core/numbers/interval.hpp"
 #include "../../primitives/objects/objects.hpp"
 
@@ -27,5 +28,30 @@ struct EdgeArc {
 /// whether the trisector's narrowest point is on the arc, the enclosure is that of both answers. None where
 /// no precision encloses that point. Pre: no two of the balls lie in each other.
 std::optional<Interval> least_clearance(const std::array<Sphere, 3>& balls, const EdgeArc& arc);
+
+/// Of what varies along an arc.
+struct Extremes {
+    Interval least, greatest;
+
+    /// Of that along two arcs.
+    friend Extremes united(const Extremes& a, const Extremes& b);
+};
+
+/// The clearance along an arc of the trisector of three objects, whose curve is known up to `error`.
+///
+/// Squared distances from a point or a line are quotients of polynomials along a curve, which stay between
+/// the quotients of their Bernstein coefficients; spans are halved until these are as near as the error, or
+/// as rounding, asks. Where the arc comes through the narrowest place of its trisector it is known better:
+/// distances from convex objects are convex functions, and in a point x where a mean sum l_i grad d_i of
+/// their gradients, l_i >= 0, is all but zero no point of the trisector is nearer than sum l_i d_i(x) to the
+/// three, but for that little times its distance from x.
+///
+/// Pre: the first object is a ball, a tube or a plane.
+Extremes clearance_along(const std::array<const Object*, 3>& objects, const RationalCurve3& curve,
+                         double error);
+
+/// direction . (p - origin) along an arc whose curve is known up to `error`. Pre: the direction is a unit
+/// one.
+Extremes height_along(const Vec3& origin, const Vec3& direction, const RationalCurve3& curve, double error);
 
 }  // namespace vcell::whole

@@ -22,6 +22,15 @@ namespace vcell::whole {
 
 /// Of the box: moved by so many of its edges.
 using Image = std::array<std::int16_t, 3>;
+inline constexpr Image here{0, 0, 0};
+
+/// Moved once more, so many times.
+inline Image plus(const Image& a, const Image& b, int times = 1) {
+    Image sum;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] = static_cast<std::int16_t>(a[k] + times * b[k]);
+    return sum;
+}
+inline Image minus(const Image& a, const Image& b) { return plus(a, b, -1); }
 
 class Lattice {
 public:

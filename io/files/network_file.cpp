@@ -66,6 +66,13 @@ void write_network(std::ostream& out, const VoidNetwork& network) {
         fmt::print(out, "\t{}\t{}\t{}\t{}\t{}\t{}\n", image_text(e.image), sites_text(e.sites), e.bottleneck,
                    e.bottleneck_error, number_or_dash(e.length), number_or_dash(e.length_error));
     }
+    if (network.passages.empty()) return;
+    out << "\npassage\tfirst\tsecond\timage\tsites\tbottleneck\tbottleneck_error\n";
+    for (std::size_t i = 0; i < network.passages.size(); ++i) {
+        const NetworkPassage& p = network.passages[i];
+        fmt::print(out, "{}\t{}\t{}\t{}\t{}\t{}\t{}\n", i, p.edges[0], p.edges[1], image_text(p.image),
+                   sites_text(p.sites), p.bottleneck, p.bottleneck_error);
+    }
 }
 
 void write_openpnm(std::ostream& out, const VoidNetwork& network) {

@@ -287,7 +287,7 @@ void bind_network(py::module_& m) {
         .def("__repr__", [](const NetworkSphere& s) {
             return "<vcell.NetworkSphere of diameter " + std::string(py::repr(py::float_(s.diameter))) + ">";
         });
-    py::class_<VoidNetwork>(m, "VoidNetwork", "Vertices and edges of all cells of balls, each once.")
+    py::class_<VoidNetwork>(m, "VoidNetwork", "Vertices and edges of all cells, each once.")
         .def_property_readonly(
             "vertex_points",
             [](const VoidNetwork& n) {
@@ -300,7 +300,7 @@ void bind_network(py::module_& m) {
             [](const VoidNetwork& n) {
                 return column<double>(n.vertices, [](auto& v) { return v.clearance; });
             },
-            "Distances from the balls around: shape (vertices,).")
+            "Distances from the objects around: shape (vertices,).")
         .def_property_readonly(
             "vertex_errors",
             [](const VoidNetwork& n) { return column<double>(n.vertices, [](auto& v) { return v.error; }); },
@@ -313,14 +313,15 @@ void bind_network(py::module_& m) {
                                       : std::array<std::int64_t, 2>{-1, -1};
                 });
             },
-            "Numbers of both ends, -1 for closed edges: shape (edges, 2).")
+            "Numbers of both ends, -1 for edges without vertices: shape (edges, 2).")
         .def_property_readonly(
             "edge_images",
             [](const VoidNetwork& n) {
                 return table<std::int64_t>(
                     n.edges, 3, [](auto& e) -> auto& { return e.image; });
             },
-            "By how many edges of the box the second end is moved: shape (edges, 3).")
+            "By how many edges of the box the second end is moved, or any point of an edge without vertices where that "
+            "comes again, 0 if it is closed: shape (edges, 3).")
         .def_property_readonly(
             "edge_bottlenecks",
             [](const VoidNetwork& n) {
@@ -337,7 +338,34 @@ void bind_network(py::module_& m) {
             "edge_lengths",
             [](const VoidNetwork& n) { return column<double>(n.edges, [](auto& e) { return e.length; }); },
             "Shape (edges,).")
-        .def_readonly("included", &VoidNetwork::included, "Di: the largest sphere about a vertex, or None.")
+        .def_property_readonly(
+            "passage_edges",
+            [](const VoidNetwork& n) {
+                return table<std::int64_t>(
+                    n.passages, 2, [](auto& p) -> auto& { return p.edges; });
+            },
+            "Edges on both sides of faces that wind between parallel cylinders or planes: shape (passages, 2).")
+        .def_property_readonly(
+            "passage_images",
+            [](const VoidNetwork& n) {
+                return table<std::int64_t>(
+                    n.passages, 3, [](auto& p) -> auto& { return p.image; });
+            },
+            "By how many edges of the box the second edge is moved: shape (passages, 3).")
+        .def_property_readonly(
+            "passage_bottlenecks",
+            [](const VoidNetwork& n) {
+                return column<double>(n.passages, [](auto& p) { return p.bottleneck; });
+            },
+            "Least clearances on the widest ways across: shape (passages,).")
+        .def_property_readonly(
+            "passage_bottleneck_errors",
+            [](const VoidNetwork& n) {
+                return column<double>(n.passages, [](auto& p) { return p.bottleneck_error; });
+            },
+            "Bounds: shape (passages,).")
+        .def_readonly("included", &VoidNetwork::included,
+                      "Di: the largest sphere about a vertex, or on an edge that winds, or None.")
         .def_readonly("free", &VoidNetwork::free, "Df: the largest that gets through the box, or None.")
         .def_readonly("free_along", &VoidNetwork::free_along, "Df along x, y and z.")
         .def_readonly("included_along_free", &VoidNetwork::included_along_free,
@@ -352,7 +380,7 @@ void bind_network(py::module_& m) {
             return void_network(scene, options);
         },
         py::arg("scene"), py::kw_only(), py::arg("threads") = 0, py::arg("progress") = py::none(),
-        "The void network of balls, which may repeat: what spheres fit in between, and which get through. Ctrl-C "
+        "The void network of a scene, which may repeat: what spheres fit in between, and which get through. Ctrl-C "
         "ends it. Raises InputError, UndecidedError.");
 }
 

@@ -113,6 +113,15 @@ def test_tubes_that_repeat_have_periods_and_complete_cells():
     assert seen == [2]
 
 
+def test_between_parallel_tubes_spheres_pass_along_edges_that_wind_and_across_passages():
+    scene = vcell.DiagramScene([vcell.Cylinder((0.25, 0.25, 0), (0, 0, 1), 0.2)], [(0, 0, 0), (1, 1, 1)], periodic=(True,) * 3)
+    network = vcell.void_network(scene)
+    assert np.array_equal(network.edge_vertices, [[-1, -1]]) and np.array_equal(network.edge_images, [[0, 0, 1]])
+    assert np.array_equal(network.passage_edges, [[0, 0]] * 2) and np.all(network.passage_images[:, 2] == 0)
+    assert np.all(np.abs(network.passage_bottlenecks - 0.3) <= network.passage_bottleneck_errors)
+    assert [sphere.diameter for sphere in network.free_along] == pytest.approx([0.6, 0.6, np.sqrt(2) - 0.4])
+
+
 def test_void_network_vertices_are_the_farthest_places(balls):
     network = vcell.void_network(vcell.DiagramScene(balls, box))
     to_balls = np.linalg.norm(network.vertex_points[:, None] - balls[None, :, :3], axis=2) - balls[:, 3]

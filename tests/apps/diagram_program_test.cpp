@@ -274,12 +274,17 @@ TEST_CASE("program: diagram writes the void network") {
     for (std::size_t i = 12; i < rows.size(); ++i) CHECK(rows[i].size() == rows[11].size());
     CHECK(work.run("diagram cubic.txt --box 0 0 0 2 2 2 --periodic xyz --network - --threads 2").out ==
           done.out);
-    work.write("plane.json",
-               R"({"vcell": 1, "objects": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}],
-                                 "box": {"min": [-1, -1, -1], "max": [1, 1, 1]}})");
-    const Outcome plane = work.run("diagram plane.json --network n.tsv");
-    CHECK(plane.status == 2);
-    CHECK(plane.err.find("objects[0]: is no ball, and a void network is that of balls") != std::string::npos);
+    work.write(
+        "tubes.json",
+        R"({"vcell": 1, "objects": [{"cylinder": {"point": [0.25, 0.25, 0], "axis": [0, 0, 1], "radius": 0.2}}],
+                  "box": {"min": [0, 0, 0], "max": [1, 1, 1]}, "periodic": [true, true, true]})");
+    const auto of_tubes = table(work.run("diagram tubes.json --network -").out);
+    REQUIRE(of_tubes.size() == 7 + 1 + 1 + 1 + 2 + 1 + 3);
+    CHECK(std::abs(std::stod(of_tubes[2][1]) - (std::sqrt(2.0) - 0.4)) <= std::stod(of_tubes[2][2]));
+    CHECK(of_tubes[13][0] == "passage");
+    const Outcome probe = work.run("diagram tubes.json --probe 0.1 --network n.tsv");
+    CHECK(probe.status == 2);
+    CHECK(probe.err.find("probe: ends cells before their vertices") != std::string::npos);
     CHECK(!fs::exists(work.path("n.tsv")));
 }
 

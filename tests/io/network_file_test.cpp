@@ -62,4 +62,21 @@ TEST_CASE("network: OpenPNM's columns have all pores and throats") {
     CHECK(columns["throat.conns[0]"].size() == throats);
 }
 
+TEST_CASE("network: edges that wind and passages are in the tables, not among pores and throats") {
+    DiagramScene scene;
+    scene.box = {{0, 0, 0}, {1, 1, 1}};
+    scene.periodic = {true, true, true};
+    scene.objects = {Cylinder{{0.25, 0.25, 0}, {0, 0, 1}, 0.2}};
+    const VoidNetwork network = void_network(scene);
+    std::ostringstream tables, openpnm;
+    write_network(tables, network);
+    const std::string text = tables.str();
+    CHECK(text.find("\nvertex\tx\ty\tz\tclearance\terror\ttouching\tsites\n\nedge") != std::string::npos);
+    CHECK(text.find("\n0\t-\t-\t0,0,1\t0 0(0,1,0) 0(1,0,0) 0(1,1,0)\t0.507106") != std::string::npos);
+    CHECK(text.find("\npassage\tfirst\tsecond\timage\tsites\tbottleneck\tbottleneck_error\n0\t0\t0\t") !=
+          std::string::npos);
+    write_openpnm(openpnm, network);
+    CHECK(std::ranges::count(openpnm.str(), '\n') == 1);
+}
+
 }  // namespace vcell
