@@ -160,18 +160,42 @@ MinimizationDiagram by_pieces_on_sphere(const FormFamily& family, const Envelope
         .without_rim();
 }
 
-// Wherever both forms that one lies between are the lowest, it is so, too.
-void add_to_labels(const std::vector<PencilTie>& ties, std::vector<FormId>& labels,
-                   std::vector<std::uint32_t>& offsets) {
+// Part of a chart.
+struct ChartBox {
+    Interval x, y;
+};
+
+// Is the linear form less than zero in the box? None if its sign is not the same in all of it.
+std::optional<bool> is_negative(const ExactForm& form, const ChartBox& box) {
+    const auto sign = (form.K.enclosure() * (square(box.x) + square(box.y)) + form.A.enclosure() * box.x +
+                       form.B.enclosure() * box.y + form.C.enclosure())
+                          .sign();
+    if (!sign || *sign == Sign::Zero) return std::nullopt;
+    return *sign == Sign::Negative;
+}
+
+// Adds what ties to the labels of vertices or edges, which lie in these boxes each. A factor keeps its sign
+// all along an edge, as heights come to zero nowhere: one box in which it is told is enough. False if there
+// is none.
+template <class BoxesOf>
+bool add_to_labels(const FormFamily& family, const std::vector<PencilTie>& ties, std::vector<FormId>& labels,
+                   std::vector<std::uint32_t>& offsets, BoxesOf boxes_of) {
     std::vector<FormId> all, label;
     std::vector<std::uint32_t> begins{0};
     const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
-    for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+    for (std::uint32_t i = 0; i + 1 < offsets.size(); ++i) {
         label.assign(labels.begin() + offsets[i], labels.begin() + offsets[i + 1]);
         for (std::size_t before = 0; before != label.size();) {
             before = label.size();
-            for (const PencilTie& tie : ties)
-                if (has(tie.between[0]) && has(tie.between[1]) && !has(tie.form)) label.push_back(tie.form);
+            for (const PencilTie& tie : ties) {
+                if (!has(tie.between[0]) || !has(tie.between[1]) || has(tie.form)) continue;
+                std::optional<bool> is_tie;
+                if (!tie.is_factor) is_tie = true;
+                for (const ChartBox& box : tie.is_factor ? boxes_of(i) : std::vector<ChartBox>())
+                    if (!is_tie) is_tie = is_negative(family.exact(tie.form), box);
+                if (!is_tie) return false;
+                if (*is_tie) label.push_back(tie.form);
+            }
         }
         std::ranges::sort(label);
         all.insert(all.end(), label.begin(), label.end());
@@ -179,6 +203,26 @@ void add_to_labels(const std::vector<PencilTie>& ties, std::vector<FormId>& labe
     }
     labels = std::move(all);
     offsets = std::move(begins);
+    return true;
+}
+
+bool add_to_labels(const FormFamily& family, const std::vector<PencilTie>& ties,
+                   MinimizationDiagram& diagram) {
+    const auto around = [](const Eigen::Vector2d& p, double error) {
+        return ChartBox{Interval::ball(p.x(), error), Interval::ball(p.y(), error)};
+    };
+    const auto of_vertex = [&](std::uint32_t v) {
+        const MinimizationDiagram::Vertex& vertex = diagram.vertices[VertexId{v}];
+        return std::vector{around(vertex.point, vertex.error)};
+    };
+    const auto of_edge = [&](std::uint32_t e) {
+        std::vector<ChartBox> boxes;
+        for (const MinimizationDiagram::ArcPiece& piece : diagram.pieces(EdgeId{e}))
+            boxes.push_back(around(piece.end, piece.error));
+        return boxes;
+    };
+    return add_to_labels(family, ties, diagram.vertex_labels_, diagram.vertex_offsets_, of_vertex) &&
+           add_to_labels(family, ties, diagram.edge_labels_, diagram.edge_offsets_, of_edge);
 }
 
 }  // namespace
@@ -189,16 +233,17 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
             if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
         return by_pieces_on_sphere(family, options);
     }
-    const std::vector<PencilTie> ties = find_pencil_ties(family);
-    if (ties.empty()) return by_pieces_on_sphere(family, options);
-    FormFamily others = family;
-    for (const PencilTie& tie : ties)
-        if (std::ranges::none_of(others.hidden, [&](const auto& h) { return h.form == tie.form; }))
-            others.hide(tie.form);
-    MinimizationDiagram diagram = by_pieces_on_sphere(others, options);
-    add_to_labels(ties, diagram.vertex_labels_, diagram.vertex_offsets_);
-    add_to_labels(ties, diagram.edge_labels_, diagram.edge_offsets_);
-    return diagram;
+    std::vector<PencilTie> ties = find_pencil_ties(family);
+    while (!ties.empty()) {
+        FormFamily others = family;
+        for (const PencilTie& tie : ties)
+            if (std::ranges::none_of(others.hidden, [&](const auto& h) { return h.form == tie.form; }))
+                others.hide(tie.form);
+        MinimizationDiagram diagram = by_pieces_on_sphere(others, options);
+        if (add_to_labels(family, ties, diagram)) return diagram;
+        std::erase_if(ties, &PencilTie::is_factor);
+    }
+    return by_pieces_on_sphere(family, options);
 }
 
 namespace {

@@ -13,6 +13,12 @@
 /// through the edge between them; with the centres of four balls of one radius, the base among them, at the
 /// corners of a rectangle; and with a ball or tube, its mirror image in the plane between the base and a ball
 /// of its radius, and that ball.
+///
+/// Where a mean of two falls into two linear factors, E and E', of opposite gradients, the form whose E that
+/// is is never nearer than both, either: as long as both are positive their mean is, and so is each factor.
+/// In any direction one of the factors has a root, and that form ties wherever both are lowest. So a ball has
+/// the plane between it and its image, and two tubes of its radius in there, mirrored by it: what is between
+/// the ball and a tube is a parabolic cylinder, and both of these meet in two parallel planes.
 #pragma once
 
 #include <array>
@@ -24,12 +30,15 @@ namespace vcell {
 
 struct PencilTie {
     FormId form;
-    std::array<FormId, 2> between;  ///< `form` is a mean of these, with weights greater than zero
+    /// `form` is a mean of these, with weights greater than zero, or a factor of one. It ties wherever both
+    /// are lowest, a factor only where it is less than zero.
+    std::array<FormId, 2> between;
+    bool is_factor = false;
 };
 
-/// Ties of that kind among the 32 forms that come lowest, exact; hollow tubes, cones and tubes that pierce
-/// the base take no part. Where coefficients agree in all but their last digits some may be left out. Pre:
-/// the family is a sphere's.
+/// Ties of these kinds among the 32 forms that come lowest, exact; hollow tubes, cones and tubes that pierce
+/// the base take no part. A form may have several. Where coefficients agree in all but their last digits some
+/// may be left out. Pre: the family is a sphere's.
 std::vector<PencilTie> find_pencil_ties(const FormFamily& family);
 
 }  // namespace vcell

@@ -227,6 +227,34 @@ TEST_CASE("repeating tubes: packings of rods have equal cells, whose faces are w
     for (const DiagramCell& cell : plies.cells) CHECK(std::abs(cell.volume - 4) <= cell.volume_error);
 }
 
+// Between a ball and a tube of its radius is a parabolic cylinder. Where the tube is halfway to an image of
+// the ball two of them meet in a line, along which the plane halfway to another image, or a side of the box,
+// ties.
+TEST_CASE("repeating tubes: a ball's faces with two of them meet where it ties with a plane") {
+    const auto check_thirds = [](const DiagramScene& scene) {
+        const VoronoiDiagram diagram = voronoi_diagram(scene);
+        check_whole(scene, diagram);
+        const DiagramCell &ball = diagram.cells[0], &tube = diagram.cells[1];
+        CHECK(std::abs(ball.volume - 8.0 / 3) <= ball.volume_error);
+        CHECK(std::abs(tube.volume - 16.0 / 3) <= tube.volume_error);
+        return ball.contacts.size();
+    };
+    DiagramScene scene = cube(2, {true, false, false});
+    scene.objects = {Sphere{{0, 1, 1}, 0.25}, Cylinder{{1, 1, 1}, {0, 1, 0}, 0.25}};
+    CHECK(check_thirds(scene) == 4);  // the tube on two sides, and two sides of the box
+    for (const bool repeats_all : {false, true}) {
+        CAPTURE(repeats_all);
+        scene.periodic = {true, true, repeats_all};
+        check_thirds(scene);
+    }
+    // Parallel tubes that lean, around a box of the same planes.
+    scene.periodic = {true, true, true};
+    std::get<Cylinder>(scene.objects[1]).axis = {0, 1, 1};
+    check_whole(scene, voronoi_diagram(scene));
+    std::get<Cylinder>(scene.objects[1]).radius = 0.125;
+    check_whole(scene, voronoi_diagram(scene));
+}
+
 TEST_CASE("repeating tubes: what lies in an image, or equals one, has no cell") {
     DiagramScene scene = cube(2);
     scene.objects = {Cylinder{{0.25, 0.5, 0}, {1, 1, 0}, 0.25},

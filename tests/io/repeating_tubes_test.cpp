@@ -106,6 +106,13 @@ TEST_CASE("check of repeating tubes: packings of small integers, a slit and a pi
                 scene.objects.emplace_back(Cylinder{{at, 0, z}, {0, 1, 0}, 0.03});
             }
     }
+    SUBCASE("a ball, and a tube halfway to its image") {
+        scene = box_of_two();
+        SUBCASE("along one axis") { scene = box_of_two({true, false, false}); }
+        SUBCASE("along two axes") { scene = box_of_two({true, true, false}); }
+        SUBCASE("along all axes") {}
+        scene.objects = {Sphere{{0, 1, 1}, 0.25}, Cylinder{{1, 1, 1}, {0, -1, 0}, 0.25}};
+    }
     SUBCASE("nets with balls on their mirrors, and beside these") {
         scene = box_of_two();
         scene.objects = {Cylinder{{0, 0, 0}, {1, 0, 0}, 0.125}, Cylinder{{0, 0, 0}, {0, 1, 0}, 0.125},

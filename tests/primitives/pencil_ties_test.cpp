@@ -107,4 +107,37 @@ TEST_CASE("pencil ties: a tube's mirror image between two balls is left out") {
     CHECK(found == (is_tie ? 1 : 0));
 }
 
+// Two tubes of a ball's radius, opposite each other, and a plane through the line in which its bisectors with
+// both meet.
+TEST_CASE("pencil ties: a plane in which two tubes' bisectors meet is left out, and ties where it is met") {
+    Scene scene;
+    scene.base = Sphere{Vec3::Zero(), 0.25};
+    scene.box = {Vec3::Constant(-16), Vec3::Constant(16)};
+    std::size_t expected = 2;
+    double radius = 0.25;
+    Vec3 axis(0, 5, 0), place(0, 10, 0);
+    SUBCASE("between balls") {}
+    SUBCASE("along a diagonal") { axis = {0, 3, 4}, place = {0, 6, 8}; }
+    SUBCASE("only that which is there") {
+        place.y() = 9.75;
+        expected = 1;
+    }
+    SUBCASE("not of tubes of another radius") {
+        radius = 0.125;
+        expected = 0;
+    }
+    const Vec3 opposite = -2 * axis;
+    scene.objects = {Cylinder{{5, 0, 0}, axis, radius}, Cylinder{{-5, 0, 0}, axis, radius},
+                     Sphere{opposite, 0.25}, Sphere{place, 0.25}};
+    const RadialBaseProblem problem = radial_base_problem(scene, 1);
+    std::size_t found = 0;
+    for (const PencilTie& tie : find_pencil_ties(problem.family)) {
+        if (!tie.is_factor) continue;
+        ++found;
+        CHECK(problem.family.is_circular(tie.form));
+        for (const FormId f : tie.between) CHECK(!problem.family.is_circular(f));
+    }
+    CHECK(found == expected);
+}
+
 }  // namespace vcell::pencil_ties_test
