@@ -112,8 +112,8 @@ private:
     }
 
     Continuation nearest(std::uint32_t i) const {
-        // Edges that run along a cut more closely than this are not followed.
-        double least = 0x1p-20 * cell_.scene.box.diagonal();
+        // Where edges run along a cut their ends are far from each other.
+        double least = 0x1p-12 * cell_.scene.box.diagonal();
         std::optional<Continuation> found;
         for (std::uint32_t j = 0; j < loose_.size(); ++j)
             for (const Image& image : moves_) {
@@ -169,7 +169,7 @@ private:
         // An arc is where its curve is, but for that one's error.
         const double apart = apart_of(i, next),
                      blur = apart + std::max(arcs_[a.arc].edge->error, arcs_[b.arc].edge->error);
-        const double radius = 8 * blur;
+        const double radius = 32 * blur;  // far more than `blur`, as halved arcs end anywhere
         const std::optional<Vec3> along = direction(arcs_[a.arc], p, radius);
         if (!along) return false;
         const std::optional<bool> first = starts_along(a, Vec3::Zero(), p, *along, blur, radius),

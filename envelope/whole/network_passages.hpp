@@ -34,7 +34,7 @@ public:
     void find(VoidNetwork& network) const;
 
 private:
-    /// An arc around a face, as the cell that owns the face has it.
+    // An arc around a face, as the cell that owns the face has it.
     struct BorderArc {
         std::optional<std::uint32_t> sight;  // which it leads to; none: it winds, or is closed
         Image image;                         // of the sight's cell

@@ -140,7 +140,7 @@ NetworkVertex NetworkVertices::vertex_of(std::uint32_t sight, std::uint32_t numb
     return vertex;
 }
 
-// NetworkSites ascend by their objects first, which are the same ones in all cells.
+// Sites ascend by their objects first, which are the same ones in all cells.
 bool NetworkVertices::has_lesser_objects(const Sight& a, const Sight& b) {
     return std::ranges::lexicographical_compare(a.sites, b.sites, {}, &NetworkSite::site, &NetworkSite::site);
 }
