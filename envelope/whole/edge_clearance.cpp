@@ -158,7 +158,7 @@ struct Range {
     }
 };
 
-// Of the distance from an object along a Bezier span, but for a few roundings of coordinates.
+// Bounds the distance from an object along a Bezier span, but for a few roundings of coordinates.
 class DistanceAlong {
 public:
     explicit DistanceAlong(const Object& object) : object_(object) {
@@ -259,10 +259,11 @@ double size_of(const RationalCurve3& curve) {
     for (const Eigen::Vector4d& c : curve.points) size = std::max(size, c.head<3>().cwiseAbs().sum());
     return size;
 }
-// Of some operations on coordinates as large as that, when spans are halved and bounded.
+// Bounds what some operations on coordinates as large as that lose when spans are halved and bounded.
 double rounding_of(double size) { return 64 * std::numeric_limits<double>::epsilon() * size; }
 
-// Of an arc that is no farther from the curve than `off`, if values change no faster than places.
+// Encloses the values along an arc that is no farther from the curve than `off`, if they change no faster
+// than places.
 template <class Bounds>
 Extremes extremes_along(const RationalCurve3& curve, double off, Bounds bounds) {
     const auto opposite = [&](const RationalCurve3& span) {

@@ -29,11 +29,11 @@ struct EdgeArc {
 /// no precision encloses that point. Pre: no two of the balls lie in each other.
 std::optional<Interval> least_clearance(const std::array<Sphere, 3>& balls, const EdgeArc& arc);
 
-/// Of what varies along an arc.
+/// The least and the greatest value of what varies along an arc.
 struct Extremes {
     Interval least, greatest;
 
-    /// Of that along two arcs.
+    /// Encloses the values along two arcs.
     friend Extremes united(const Extremes& a, const Extremes& b);
 };
 

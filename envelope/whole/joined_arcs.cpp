@@ -178,7 +178,7 @@ private:
                is_alone(arcs_[b.arc], b.vertex->point, apart);
     }
 
-    // Of the trisector in the ball, if no chord of it is farther from that than 30 degrees.
+    // The direction of the trisector in the ball, if no chord of it is farther from that than 30 degrees.
     std::optional<Vec3> direction(const CutArc& arc, const Vec3& p, double radius) const {
         const std::array<const Object*, 2> others = two_sites(arc);
         const Gradient own = gradient(cell_.scene.base, p, radius), first = gradient(*others[0], p, radius),

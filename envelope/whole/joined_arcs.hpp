@@ -42,7 +42,7 @@ struct JoinedArcs {
     std::vector<std::uint32_t> arcs;  ///< one after the other, each in either sense
     std::vector<Image> images;        ///< of each, as it lies in the edge that begins with the first one
     std::optional<std::array<std::uint32_t, 2>> vertices;
-    /// Of the second vertex as seen from the first arc; without vertices, of that arc where it comes again.
+    /// Where the second vertex is as seen from the first arc; without vertices, where that arc comes again.
     Image image{0, 0, 0};
     Interval length_between{0.0};               ///< of what is between the arcs
     std::optional<Interval> clearance_between;  ///< all values there

@@ -64,7 +64,7 @@ SiteNames::Owned SiteNames::seen_from_owner(const NetworkSites& sites) const {
     Owned result;
     for (const NetworkSite& s : sites) {
         if (s.site.index != owner) continue;
-        // Of several images of it the one whose list of sites is the greatest, wherever it is seen from.
+        // If several images of it are there, one of them sees the greatest list, wherever it is seen from.
         NetworkSites seen = seen_from(sites, s.image);
         if (!result.sites.empty() && !(result.sites < seen)) continue;
         result = {std::move(seen), s};

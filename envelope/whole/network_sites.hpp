@@ -31,7 +31,7 @@ public:
     NetworkSite site_in(const Cell& cell, const Site& site) const;
     /// These sites of the object's cell, and the object itself.
     NetworkSites sites_in(const Cell& cell, std::uint32_t object, const std::vector<Site>& sites) const;
-    /// As seen from where everything is moved by so many edges of the box.
+    /// Names the sites as they are seen from an image of the box.
     NetworkSites seen_from(NetworkSites sites, const Image& image) const;
 
     struct Owned {
