@@ -11,7 +11,7 @@
 #include "../../core/curves/restricted_curve.hpp"
 #include "../../core/numbers/exact.hpp"
 #include "../../core/numbers/wide.hpp"
-#include "../object_distance.hpp"
+#include "distance_gradient.hpp"
 
 namespace vcell::whole {
 
@@ -262,16 +262,22 @@ double size_of(const RationalCurve3& curve) {
 // Bounds what some operations on coordinates as large as that lose when spans are halved and bounded.
 double rounding_of(double size) { return 64 * std::numeric_limits<double>::epsilon() * size; }
 
+struct ExtremesAlong {
+    Extremes values;
+    double parameter;  // next to the least one
+};
+
 // Encloses the values along an arc that is no farther from the curve than `off`, if they change no faster
 // than places.
 template <class Bounds>
-Extremes extremes_along(const RationalCurve3& curve, double off, Bounds bounds) {
+ExtremesAlong extremes_along(const RationalCurve3& curve, double off, Bounds bounds) {
     const auto opposite = [&](const RationalCurve3& span) {
         const Range range = bounds(span);
         return Range{-range.high, -range.low};
     };
     const Interval blur(-off, off);
-    return {least_along(curve, off, bounds).value + blur, -least_along(curve, off, opposite).value + blur};
+    const LeastAlong least = least_along(curve, off, bounds);
+    return {{least.value + blur, -least_along(curve, off, opposite).value + blur}, least.parameter};
 }
 
 // ---- The narrowest place of a trisector
@@ -286,22 +292,15 @@ struct ConvexDistance {
 
 std::optional<ConvexDistance> convex_distance(const Object& object, const Vec3& p) {
     if (is_vessel(object)) return std::nullopt;
-    ConvexDistance d{distance_from(object, p), Vec3::Zero()};
-    if (const auto* plane = std::get_if<Plane>(&object)) {
-        const Vec3 n = plane->normal.stableNormalized();
-        d.gradient = n.dot(p - plane->point) < 0 ? Vec3(-n) : n;
-        return d;
-    }
-    Vec3 arm = p - place_of(object);
-    Eigen::Matrix3d across = Eigen::Matrix3d::Identity();
+    const auto [gradient, arm] = distance_gradient(object, p);
+    ConvexDistance d{distance_from(object, p), gradient, Eigen::Matrix3d::Zero(), arm};
+    if (std::holds_alternative<Plane>(object)) return d;
+    d.hessian = Eigen::Matrix3d::Identity() - gradient * gradient.transpose();
     if (const auto* tube = std::get_if<Cylinder>(&object)) {
         const Vec3 axis = tube->axis.stableNormalized();
-        across -= axis * axis.transpose();
-        arm = across * arm;
+        d.hessian -= axis * axis.transpose();
     }
-    d.arm = arm.norm();
-    d.gradient = arm / d.arm;
-    d.hessian = (across - d.gradient * d.gradient.transpose()) / d.arm;
+    d.hessian /= arm;
     return d;
 }
 
@@ -399,8 +398,7 @@ Extremes clearance_along(const std::array<const Object*, 3>& objects, const Rati
     for (const Object* object : objects) size = std::max(size, place_of(*object).cwiseAbs().sum());
     const double off = error + rounding_of(size);
     const DistanceAlong distance(*objects[0]);
-    Extremes range = extremes_along(curve, off, distance);
-    const double least = least_along(curve, off, distance).parameter;
+    auto [range, least] = extremes_along(curve, off, distance);
     if (const std::optional<NarrowPlace> narrowest = narrow_place_near(objects, curve.evaluate(least))) {
         const Vec3 near = point_near(curve, least, narrowest->point);
         const Interval through =
@@ -413,11 +411,14 @@ Extremes clearance_along(const std::array<const Object*, 3>& objects, const Rati
 
 Extremes height_along(const Vec3& origin, const Vec3& direction, const RationalCurve3& curve, double error) {
     const double off = error + rounding_of(std::max(size_of(curve), origin.cwiseAbs().sum()));
-    return extremes_along(curve, off, [&](const RationalCurve3& span) {
-        Range range;
-        for (const Eigen::Vector4d& c : span.points) range.extend(direction.dot(c.head<3>() - origin));
-        return range;
-    });
+    return extremes_along(curve, off,
+                          [&](const RationalCurve3& span) {
+                              Range range;
+                              for (const Eigen::Vector4d& c : span.points)
+                                  range.extend(direction.dot(c.head<3>() - origin));
+                              return range;
+                          })
+        .values;
 }
 
 std::optional<Interval> least_clearance(const std::array<Sphere, 3>& balls, const EdgeArc& arc) {

@@ -8,7 +8,7 @@
 
 #include "../../core/curves/restricted_curve.hpp"
 #include "../../core/errors.hpp"
-#include "../object_distance.hpp"
+#include "distance_gradient.hpp"
 
 namespace vcell::whole {
 
@@ -24,31 +24,11 @@ struct Gradient {
 
 // Pre: the object is solid or a plane, and the point is outside of it; or a vessel, and the point inside.
 Gradient gradient(const Object& object, const Vec3& p, double radius) {
-    // The turn about a centre or an axis, and the rounding of a direction from there.
-    const auto around = [&](const Vec3& arm) -> Gradient {
-        const double length = arm.norm(),
-                     rounding = 16 * u * (p.cwiseAbs().sum() + place_of(object).cwiseAbs().sum());
-        return {arm / length,
-                length > radius + rounding ? (radius + rounding) / (length - radius - rounding) : infinity};
-    };
-    const auto across = [&](const auto& tube, const Vec3& from) {
-        const Vec3 axis = tube.axis.stableNormalized(), m = p - from;
-        return around(m - axis.dot(m) * axis);
-    };
-    const auto inward = [](Gradient g) { return Gradient{-g.direction, g.turn}; };
-    if (const auto* plane = std::get_if<Plane>(&object)) {
-        const Vec3 n = plane->normal.stableNormalized();
-        const double height = n.dot(p - plane->point);
-        return {height < 0 ? Vec3(-n) : n, std::abs(height) > 2 * radius ? 4 * u : infinity};
-    }
-    if (const auto* ball = std::get_if<Sphere>(&object)) return around(p - ball->center);
-    if (const auto* tube = std::get_if<Cylinder>(&object)) return across(*tube, tube->point);
-    if (const auto* vessel = std::get_if<HollowSphere>(&object)) return inward(around(p - vessel->center));
-    if (const auto* vessel = std::get_if<HollowCylinder>(&object))
-        return inward(across(*vessel, vessel->point));
-    const auto& cone = std::get<HollowCone>(object);
-    const Gradient out = across(cone, cone.apex);
-    return {cone.sine() * cone.axis.stableNormalized() - cone.cosine() * out.direction, out.turn};
+    const auto [direction, arm] = distance_gradient(object, p);
+    if (std::holds_alternative<Plane>(object))
+        return {direction, distance_from(object, p) > 2 * radius ? 4 * u : infinity};
+    const double off = radius + 16 * u * (p.cwiseAbs().sum() + place_of(object).cwiseAbs().sum());
+    return {direction, arm > off ? off / (arm - off) : infinity};
 }
 
 class ArcJoiner {

@@ -127,7 +127,7 @@ Interval NetworkEdges::bottleneck(std::uint32_t object, const Cell& cell, const 
     const auto ball_in = [&](const Site& s) { return std::get<Sphere>(names_.object(cell, s)); };
     constexpr double u = std::numeric_limits<double>::epsilon();
     const Sphere& self = names_.decided().ball(object);
-    // Of a handful of operations on coordinates as large as the point's.
+    // Bounds a handful of operations on coordinates as large as the point's.
     const auto rounding = [&](const Vec3& p) {
         return 16 * u * (p.cwiseAbs().sum() + self.center.cwiseAbs().sum() + self.radius);
     };

@@ -18,7 +18,7 @@ public:
         Vec3 point;
         double clearance, error;
         bool is_touching;
-        /// Of the network, when it is known, and where that vertex has to be moved to be here.
+        /// Which vertex of the network it is, when that is known, and where that has to be moved to be here.
         std::uint32_t vertex = UINT32_MAX;
         Image by{0, 0, 0};
     };

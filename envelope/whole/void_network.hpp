@@ -52,8 +52,8 @@ struct NetworkVertex {
 struct NetworkEdge {
     /// None: the arc meets no vertex. It is closed, or it winds.
     std::optional<std::array<std::uint32_t, 2>> vertices;
-    /// Of the second vertex, where the first one has 0, 0, 0. Without vertices, of any of the arc's points
-    /// where the arc comes to it again: 0, 0, 0 if it is closed; else it winds through the box.
+    /// Where the second vertex is, if the first one has 0, 0, 0. Without vertices, where any of the arc's
+    /// points is when the arc comes to it again: 0, 0, 0 if it is closed; else it winds through the box.
     std::array<std::int16_t, 3> image{0, 0, 0};
     std::vector<NetworkSite> sites;  ///< ascending, as seen from the first vertex
     /// The least clearance along the edge; a proven bound.
@@ -68,7 +68,7 @@ struct NetworkEdge {
 /// between edges that no vertices join, and spheres get across it, between the two objects.
 struct NetworkPassage {
     std::array<std::uint32_t, 2> edges{};
-    /// Of the second edge, where the first one is as the network has it.
+    /// Where the second edge is, if the first one is as the network has it.
     std::array<std::int16_t, 3> image{0, 0, 0};
     std::vector<NetworkSite> sites;  ///< the two, as seen from the first edge
     /// The least clearance on the widest way across the face; a proven bound, which is wide where one of the

@@ -66,7 +66,7 @@ private:
     double uniform(double a, double b) { return std::uniform_real_distribution(a, b)(rng_); }
     double normal() { return std::normal_distribution<>()(rng_); }
     Vec3 inner() { return {uniform(0.1, 0.9), uniform(0.1, 0.9), uniform(0.1, 0.9)}; }
-    // Of so many edges of the unit cube.
+    // Adds up so many edges of the unit cube, or takes them off.
     Vec3 combination(int edges) {
         Vec3 sum = Vec3::Zero();
         while (sum.isZero())
@@ -137,8 +137,8 @@ void check_triples(const VoidNetwork& network) {
     }
 }
 
-/// The same scene, told otherwise: tubes by other points of theirs, everything moved along what repeats,
-/// objects in another order. Cells are cut elsewhere.
+/// Tells a scene otherwise, so that cells are cut elsewhere: tubes by other points of theirs, everything
+/// moved along what repeats, objects in another order.
 DiagramScene retold(std::mt19937_64& rng, DiagramScene scene) {
     std::uniform_real_distribution<double> part(-1, 1);
     Vec3 by = Vec3::Zero();
