@@ -200,11 +200,17 @@ private:
 };
 
 // meet_nowhere(): along the trisector f = g, a graph n(s) over the box, h - g changes by less than it is in
-// its middle.
+// its middle: heights without the distances from tips, or times these.
 class MeetingSearch {
 public:
-    MeetingSearch(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box)
-        : heights_(heights), h_(h), f_(f), g_(g), at_{Interval(box[0], box[1]), Interval(box[2], box[3])} {
+    MeetingSearch(const Heights& heights, bool is_plain, FormId h, FormId f, FormId g,
+                  const std::array<double, 4>& box)
+        : heights_(heights),
+          is_plain_(is_plain),
+          h_(h),
+          f_(f),
+          g_(g),
+          at_{Interval(box[0], box[1]), Interval(box[2], box[3])} {
         // n along the coordinate along which the trisector is thin, with surroundings as wide again; s along
         // the other.
         const double dx = box[1] - box[0], dy = box[3] - box[2];
@@ -226,7 +232,9 @@ public:
         run_ = -F[s] / F[n_];
         half_ = Interval(at_[s].radius());
 
-        const std::array<Interval, 2> H = heights_.plain_gradient_difference(h_, g_, at_[0], at_[1]);
+        const std::array<Interval, 2> H = is_plain_
+                                              ? heights_.plain_gradient_difference(h_, g_, at_[0], at_[1])
+                                              : heights_.gradient_difference(h_, g_, at_[0], at_[1]);
         across_ = H[n_];
         const double l = H[n_].mid() * inverse_;
         change_ = Interval((H[s] - l * F[s] + (H[n_] - l * F[n_]) * run_).magnitude()) * half_;
@@ -243,6 +251,11 @@ private:
     }
     Wide difference(FormId a, FormId b, const std::array<Wide, 2>& p) const {
         return heights_.plain_value(a, p[0], p[1]) - heights_.plain_value(b, p[0], p[1]);
+    }
+    template <class T>
+    T rise(const std::array<T, 2>& p) const {  // h - g
+        return is_plain_ ? difference(h_, g_, p)
+                         : heights_.value(h_, p[0], p[1]) - heights_.value(g_, p[0], p[1]);
     }
     static Interval enclosure(const Interval& x) { return x; }
     static Interval enclosure(const Wide& x) { return x.enclosure(); }
@@ -270,7 +283,7 @@ private:
         if (!at_[n_].contains(reach.lower()) || !at_[n_].contains(reach.upper())) return false;
         const Interval off =
             Interval(enclosure(residual).magnitude()) / slope_ * across_;  // of the true trisector
-        const Interval phi = enclosure(difference(h_, g_, p));
+        const Interval phi = enclosure(rise(p));
         const double least = std::max(phi.lower(), -phi.upper());
         if (Interval(least).lower() > (change_ + off.magnitude()).upper()) return true;
         if (phi.magnitude() + off.magnitude() < change_.lower()) return false;
@@ -278,6 +291,7 @@ private:
     }
 
     const Heights& heights_;
+    const bool is_plain_;  // h - g
     const FormId h_, f_, g_;
     std::array<Interval, 2> at_;  // the box and its surroundings
     std::size_t n_;
@@ -294,13 +308,18 @@ std::optional<Touching> find_pinch(const Heights& heights, FormId h, FormId f, F
 
 bool meet_nowhere(const Heights& heights, FormId h, FormId f, FormId g, const std::array<double, 4>& box,
                   Decisions& decisions) {
-    MeetingSearch search(heights, h, f, g, box);
-    if (const auto answer = search.in_doubles()) {
-        ++decisions.by_interval;
-        return *answer;
-    }
-    ++decisions.by_multiprecision;
-    return search.in_many_digits();
+    const auto do_not_meet = [&](bool is_plain) {
+        MeetingSearch search(heights, is_plain, h, f, g, box);
+        if (const auto answer = search.in_doubles()) {
+            ++decisions.by_interval;
+            return *answer;
+        }
+        ++decisions.by_multiprecision;
+        return search.in_many_digits();
+    };
+    // Where the heights of a side of the box grow towards its tip only their products tell how little it and
+    // others differ along a trisector that comes to the tip, too.
+    return do_not_meet(true) || (heights.family().tips.any() && do_not_meet(false));
 }
 
 std::optional<Touching> find_touching(const Heights& heights, FormId h, FormId f, FormId g,
