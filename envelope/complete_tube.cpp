@@ -46,12 +46,29 @@ public:
     }
 
 private:
+    // Farther from the planes at its ends what is assumed next to them may not have to be: nothing is taken
+    // for granted unless it is in all stretches that keep clear of them.
     void add(const std::array<double, 2>& part) {
-        left_out_ += axis_.on_clear_stretch(
-            part, [&](const auto& beyond, const auto& stretch) { add_part(beyond, stretch); });
+        bool is_assumed = false;
+        const auto add_stretch = [&](bool takes_assumptions) {
+            left_out_ += axis_.on_clear_stretch(part, [&](const auto& beyond, const auto& stretch) {
+                add_part(beyond, stretch, [&](const MinimizationDiagram& d) {
+                    if (takes_assumptions || d.assumptions.empty()) return;
+                    is_assumed = true;
+                    throw UndecidedError("objects are taken to meet in one point");
+                });
+            });
+        };
+        try {
+            add_stretch(false);
+        } catch (const UndecidedError&) {
+            if (!is_assumed) throw;
+            add_stretch(true);
+        }
     }
 
-    void add_part(const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch) {
+    template <class Accept>
+    void add_part(const std::array<bool, 6>& beyond, const std::array<double, 2>& stretch, Accept&& accept) {
         require_room(stretch);
         CylinderPart part{scene_.box, stretch, {}};
         for (std::size_t s = 0; s < beyond.size(); ++s)
@@ -60,14 +77,17 @@ private:
         EnvelopeOptions options;
         options.floor = problem.floor;
         MinimizationDiagram above = diagram_of(problem, options);
+        accept(above);
         if (problem.floor.empty()) {
             LiftedCell lifted = lift_all_around(problem, above, tolerance_, with_measures_);
             forget_ends(lifted.cell);
+            require_known_vertices(lifted.cell);
             append(std::move(lifted), stretch, problem, {&above});
             return;
         }
         options.is_below_floor = true;
         MinimizationDiagram below = diagram_of(problem, options);
+        accept(below);
         const auto shows_none = [&](const MinimizationDiagram& d) {
             return std::ranges::none_of(
                 d.face_forms, [&](FormId f) { return f.valid() && problem.shows(f, d.is_below_floor); });
@@ -77,6 +97,7 @@ private:
             return;
         }
         LiftedCell lifted = lift_complete_part(problem, above, below, tolerance_, with_measures_);
+        require_known_vertices(lifted.cell);
         append(std::move(lifted), stretch, problem, {&above, &below});
     }
 
@@ -89,6 +110,16 @@ private:
                     throw UndecidedError("the base's axis runs along side " +
                                          to_string(Site::box_side(side.index)) +
                                          " of the box, too near to it");
+    }
+
+    // Next to a plane's, where heights grow without bound, a place of the chart that is known well enough to
+    // tell what meets there may be next to nothing known of in space.
+    void require_known_vertices(const Cell& part) const {
+        for (const CellVertex& v : part.vertices)
+            if (v.error > tolerance_)
+                throw UndecidedError(
+                    "a vertex next to an end of a part of the cell is not known within the "
+                    "scene's tolerance");
     }
 
     // What RadialMeasurer tells of the body and of the ends of a stretch.
