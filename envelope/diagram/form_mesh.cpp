@@ -123,6 +123,86 @@ void FormMesh::smooth(Index v) {
     edges_[f].alive = false;
 }
 
+std::vector<FormId> FormMesh::label_of_origin(Index h) const {
+    std::vector<FormId> forms;
+    const Index ties = vertices_[half_edges_[h].origin].ties;
+    if (ties != none) forms = ties_[ties];
+    for_leaving(h, [&](Index g) {
+        const std::vector<FormId> along = label_of_edge(g >> 1);
+        forms.insert(forms.end(), along.begin(), along.end());
+    });
+    sort_unique(forms);
+    return forms;
+}
+
+// Adds to the label of what lies in boxes(). False if it is not told of some of the ties.
+template <class BoxesOf>
+bool FormMesh::add_hidden(std::span<const HiddenTie> ties, std::vector<FormId>& label, BoxesOf&& boxes) {
+    const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
+    const auto is_told_tie = [&](const HiddenTie& tie) -> std::optional<bool> {
+        if (!tie.is_tie) return true;
+        for (const ChartBox& box : boxes())
+            if (const auto is_tie = tie.is_tie(box)) return is_tie;
+        return std::nullopt;
+    };
+    bool is_told = true;
+    for (std::size_t before = 0; before != label.size();) {
+        before = label.size();
+        for (const HiddenTie& tie : ties) {
+            if (!has(tie.between[0]) || !has(tie.between[1]) || has(tie.form)) continue;
+            const auto is_tie = is_told_tie(tie);
+            if (!is_tie) is_told = false;
+            if (is_tie == true) label.push_back(tie.form);
+        }
+    }
+    sort_unique(label);
+    return is_told;
+}
+
+bool FormMesh::tie_hidden(std::span<const HiddenTie> ties) {
+    if (ties.empty()) return true;
+    const auto around = [](const Eigen::Vector2d& p, double error) {
+        return ChartBox{Interval::ball(p.x(), error), Interval::ball(p.y(), error)};
+    };
+    bool is_told = true;
+    for (Index e = 0; e < edges_.size(); ++e) {
+        if (!edges_[e].alive) continue;
+        std::vector<FormId> label = label_of_edge(e);
+        const std::size_t known = label.size();
+        const auto boxes = [&] {
+            std::vector<ChartBox> all;
+            for (const Link& link : links(e)) all.push_back(around(link.to, link.to_error));
+            for (const Index v : {half_edges_[2 * e].origin, target(2 * e)})
+                if (v != none) all.push_back(around({vertices_[v].x, vertices_[v].y}, vertices_[v].error));
+            return all;
+        };
+        is_told = add_hidden(ties, label, boxes) && is_told;
+        if (label.size() > known) edges_[e].ties = add_ties(std::move(label));
+    }
+    // What does so along an edge does in its ends.
+    const auto ties_along = [&](Index v) {
+        bool is_any = false;
+        if (vertices_[v].out != none)
+            for_leaving(vertices_[v].out, [&](Index h) { is_any = is_any || edges_[h >> 1].ties != none; });
+        return is_any;
+    };
+    for (Index v = 0; v < vertices_.size(); ++v) {
+        if (!vertices_[v].alive) continue;
+        std::vector<FormId> label;
+        if (vertices_[v].out != none)
+            label = label_of_origin(vertices_[v].out);
+        else if (vertices_[v].ties != none)
+            label = ties_[vertices_[v].ties];
+        const std::size_t known = label.size();
+        const Vertex& at = vertices_[v];
+        const auto boxes = [&] { return std::array{around({at.x, at.y}, at.error)}; };
+        is_told = add_hidden(ties, label, boxes) && is_told;
+        if (label.size() > known || ties_along(v)) vertices_[v].ties = add_ties(std::move(label));
+    }
+    for (Index v = 0; v < vertices_.size(); ++v) smooth(v);
+    return is_told;
+}
+
 // Pieces and their union are judged alike: their faces are known by what stands for them.
 void FormMesh::require_soundness() {
 #ifndef NDEBUG

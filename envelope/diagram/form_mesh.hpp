@@ -8,10 +8,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "../../arrangement/dcel/half_edge_mesh.hpp"
+#include "../../core/numbers/interval.hpp"
 #include "../../core/partition.hpp"
 #include "../../primitives/forms/form_family.hpp"
 
@@ -66,6 +69,22 @@ public:
     FormId left_of(Index h) const { return h & 1u ? edges_[h >> 1].right : edges_[h >> 1].left; }
     std::vector<FormId> label_of_edge(Index e) const;
 
+    struct ChartBox {
+        Interval x, y;
+    };
+    /// What shows nowhere but where it ties with two others.
+    struct HiddenTie {
+        FormId form;
+        /// The form may tie wherever these two do.
+        std::array<FormId, 2> between;
+        /// Does it, where they do in the box? None if that is not told. Empty: it does everywhere.
+        std::function<std::optional<bool>(const ChartBox&)> is_tie;
+    };
+    /// Names what ties along edges and in vertices without a face beside them. What is so in one place of an
+    /// edge is to be so all along it: one box in which it is told is enough. False if there is none for some
+    /// edge or vertex.
+    bool tie_hidden(std::span<const HiddenTie> ties);
+
 protected:
     /// Seams included: growing by copies costs more than address space.
     void reserve(std::size_t forms);
@@ -75,6 +94,8 @@ protected:
         return united_faces_.add();
     }
     Index add_ties(std::vector<FormId> forms);
+    /// All forms that are known to attain the minimum in the origin of a half-edge.
+    std::vector<FormId> label_of_origin(Index h) const;
     void merge_faces(Index f, Index g);
     /// Removes v if it only continues one arc: two edges of one curve and one label, and nothing else that
     /// attains the minimum at v.
@@ -91,6 +112,8 @@ protected:
     std::vector<Index> isolated_;
 
 private:
+    template <class BoxesOf>
+    static bool add_hidden(std::span<const HiddenTie> ties, std::vector<FormId>& label, BoxesOf&& boxes);
     void join_links(Index edge, Index other, bool other_first, bool reverse_other);
 
     std::vector<FormId> face_sites_;

@@ -316,18 +316,6 @@ void Patchwork::unite_vertices(Index kept, Index other, Index outgoing, Index fa
     for_leaving(outgoing, [&](Index h) { half_edges_[h].origin = kept; });
 }
 
-std::vector<FormId> Patchwork::label_of_origin(Index h) const {
-    std::vector<FormId> forms;
-    const Index ties = vertices_[half_edges_[h].origin].ties;
-    if (ties != none) forms = ties_[ties];
-    for_leaving(h, [&](Index g) {
-        const std::vector<FormId> along = label_of_edge(g >> 1);
-        forms.insert(forms.end(), along.begin(), along.end());
-    });
-    sort_unique(forms);
-    return forms;
-}
-
 void Patchwork::tie_along_rim(const AreOne& are_one) {
     std::vector<Index> ends;
     for (Index e = 0; e < edges_.size(); ++e) {

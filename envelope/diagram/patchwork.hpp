@@ -24,6 +24,7 @@ class Patchwork : private FormMesh {
 public:
     using FormMesh::Index;
     using FormMesh::none;
+    using FormMesh::tie_hidden;
 
     /// Room for what this many forms usually leave.
     Patchwork(const FormFamily& family, std::size_t forms);
@@ -83,8 +84,6 @@ private:
     using Chain = SmallVector<Index, usual_chain>;
     Chain side_chain(Index outer, std::uint32_t seam) const;
     void unite_vertices(Index kept, Index other, Index outgoing, Index face);
-    /// All forms that are known to attain the minimum in the origin of a half-edge.
-    std::vector<FormId> label_of_origin(Index h) const;
     Index join_chains(const Chain& down, const Chain& up);
 
     const FormFamily& family_;

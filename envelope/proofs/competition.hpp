@@ -10,6 +10,7 @@
 #include "../../primitives/forms/heights.hpp"
 #include "../diagram/minimization_diagram.hpp"
 #include "../sphere/sphere_supports.hpp"
+#include "common_curves.hpp"
 #include "floor_rule.hpp"
 
 namespace vcell {
@@ -50,9 +51,12 @@ bool add_assumption(Assumption assumption, std::vector<Assumption>& known);
 class Competition {
 public:
     Competition(const FormFamily& family, double extent, const EnvelopeOptions& options = {});
+    Competition(const Competition&) = delete;
 
     const Heights& heights() const { return heights_; }
     const FloorRule& rule() const { return rule_; }
+    CommonCurves& common_curves() { return common_curves_; }
+    const CommonCurves& common_curves() const { return common_curves_; }
     /// Over a sphere; else null.
     const SphereSupports* supports() const { return supports_ ? &*supports_ : nullptr; }
     Decisions& decisions() { return decisions_; }
@@ -105,6 +109,7 @@ public:
 private:
     Heights heights_;
     FloorRule rule_;
+    CommonCurves common_curves_{heights_, rule_};
     std::optional<SphereSupports> supports_;
     double extent_;
     Decisions decisions_;

@@ -31,10 +31,11 @@ std::optional<MixedPiece> MixedAnalysis::resolve(const PieceBoundary& boundary) 
     set_rim(work);
 
     const bool at_floor = work.width <= floor_width * work.extent;
-    const bool plain = is_plain(work);
+    bool plain = is_plain(work);
+    const bool is_small = work.width <= tie_width * all_.tie_extent_at({x0, x1}, {y0, y1});
+    if (!plain && is_small && leave_out_between(work)) plain = PlainJoin(all_, work).is_plain();
     remaining_ = work.forms();
-    const bool near_tie =
-        !plain && work.rivals.size() > 1 && work.width <= tie_width * all_.tie_extent_at({x0, x1}, {y0, y1});
+    const bool near_tie = !plain && work.rivals.size() > 1 && is_small;
     if (!plain && !near_tie && !at_floor) return std::nullopt;
     ++all_.decisions().by_interval;
 
@@ -108,6 +109,24 @@ bool MixedAnalysis::is_plain(PieceWork& work) {
         plain = bends && join.is_plain();
     }
     return plain;
+}
+
+// What shows nowhere in the piece but where it ties with two others. What ties on the rim is left for that
+// vertex.
+bool MixedAnalysis::leave_out_between(PieceWork& work) {
+    const std::size_t before = work.rivals.size();
+    if (before < 3 || !work.knots.empty()) return false;
+    const auto& box = work.piece.box;
+    const std::vector<FormId> forms = work.forms(),
+                              hidden = all_.common_curves().hidden(forms, {box[0], box[1]}, {box[2], box[3]});
+    std::erase_if(work.rivals, [&](const Spread& s) {
+        return !work.is_on_rim(s.form) && std::ranges::find(hidden, s.form) != hidden.end();
+    });
+    all_.decisions().by_interval += before - work.rivals.size();
+    if (work.rivals.size() == before) return false;
+    work.directions.clear();
+    work.is_divided = false;
+    return true;
 }
 
 bool MixedAnalysis::join_small(PieceWork& work) {

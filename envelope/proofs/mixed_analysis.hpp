@@ -30,6 +30,7 @@ public:
 private:
     static void set_rim(PieceWork& work);
     bool is_plain(PieceWork& work);
+    bool leave_out_between(PieceWork& work);
     bool join_small(PieceWork& work);
     void join_at_center(PieceWork& work);
 

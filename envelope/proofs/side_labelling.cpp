@@ -267,6 +267,20 @@ void SideLabelling::add_if_one(const SideLine& line, double s0, double s1, FormI
     t.ties.push_back(f);
 }
 
+// What shows nowhere over a stretch but where it ties with two others, unless it is a label already: where
+// the base was turned what ties may show by a rounding.
+void SideLabelling::leave_out_between(const IntervalPoint& range, FormId l0, FormId l1,
+                                      SmallVector<FormId, usual_rivals>& forms) {
+    const std::vector<FormId> hidden =
+        all_.common_curves().hidden({forms.begin(), forms.size()}, range[0], range[1]);
+    const auto is_hidden = [&](FormId f) { return std::ranges::find(hidden, f) != hidden.end(); };
+    if (hidden.empty() || is_hidden(l0) || is_hidden(l1)) return;
+    SmallVector<FormId, usual_rivals> left;
+    for (const FormId f : forms)
+        if (!is_hidden(f)) left.push_back(f);
+    forms = std::move(left);
+}
+
 // From s0 to s1, ascending, the lowest form changes from l0 to l1. Appends all changes.
 bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s1, FormId l1,
                             std::span<const FormId> candidates, bool is_seam,
@@ -275,7 +289,14 @@ bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     const double extent = all_.extent_at(range[0], range[1]);
     ++stretches_;
-    const auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
+    auto [left, least_slope] = rivals_along(line, s0, s1, candidates);
+    if (left.size() > 2 && s1 - s0 < tie_width * all_.tie_extent_at(range[0], range[1])) {
+        leave_out_between(range, l0, l1, left);
+        if (left.size() == 2) {
+            const Interval slope = line.slope_difference(heights_, left[0], left[1], Interval(s0, s1));
+            least_slope = std::max({0.0, slope.lower(), -slope.upper()});
+        }
+    }
     decisions_.by_interval += candidates.size() - left.size();
     if (left.size() == 1) return true;
     if (least_slope > 0) {
@@ -283,7 +304,11 @@ bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s
         if (l0 != l1) out.push_back(roots_.locate(line, s0, s1, l0, l1, least_slope));
         return true;
     }
-    if (!is_seam && s1 - s0 < sharp_width * extent)
+    // Of forms that tie along a curve which crosses the side shorter stretches tell more than one point of
+    // it.
+    const bool is_curve = left.size() == 3 && s1 - s0 > crowded_width * extent &&
+                          all_.common_curves().may_tie({left[0], left[1], left[2]}, range[0], range[1]);
+    if (!is_seam && s1 - s0 < sharp_width * extent && !is_curve)
         if (const auto tie = crossings_.find_tie(line, s0, l0, s1, l1, left)) {
             out.push_back(*tie);
             return true;

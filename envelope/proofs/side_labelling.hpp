@@ -69,6 +69,8 @@ private:
     void add_if_one(const SideLine& line, double s0, double s1, FormId f, RimTransition& t);
     template <class Forms>
     bool leave_lowest_inside(const SideLine& line, double s0, double s1, double t0, double t1, Forms& forms);
+    void leave_out_between(const IntervalPoint& range, FormId l0, FormId l1,
+                           SmallVector<FormId, usual_rivals>& forms);
     using Lowest = SmallVector<FormId, usual_rivals>;
     Lowest lowest_at(const SideLine& line, double s, std::span<const FormId> candidates);
     template <class Exactly>  // of the point, as a RationalPoint

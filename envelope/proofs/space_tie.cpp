@@ -60,10 +60,7 @@ std::optional<std::array<Exact, 2>> multiple_root(const std::array<Exact, 4>& c)
 SpaceTie::SpaceTie(const FormFamily& family, std::span<const FormId> forms,
                    const std::optional<ChartLine>& line)
     : family_(family) {
-    for (std::size_t i = 0; i < unknowns; ++i) {
-        flat_[i].resize(unknowns);
-        flat_[i][i] = 1.0;
-    }
+    start_in_space();
     quadrics_.push_back(base_equation(family));
     for (const FormId f : forms) quadrics_.push_back(equation(family, f));
     for (Row& q : quadrics_) divide_by_common_factor(q);
@@ -72,6 +69,20 @@ SpaceTie::SpaceTie(const FormFamily& family, std::span<const FormId> forms,
         is_empty_ = !impose(Row(l.begin(), l.end()));
     }
     reduce();
+}
+
+SpaceTie::SpaceTie(const FormFamily& family, std::vector<Quadric> equations)
+    : family_(family), quadrics_(std::move(equations)) {
+    start_in_space();
+    for (Row& q : quadrics_) divide_by_common_factor(q);
+    reduce();
+}
+
+void SpaceTie::start_in_space() {
+    for (std::size_t i = 0; i < unknowns; ++i) {
+        flat_[i].resize(unknowns);
+        flat_[i][i] = 1.0;
+    }
 }
 
 // A quadric in X as one in y.
@@ -84,37 +95,46 @@ SpaceTie::Row SpaceTie::restricted(const Row& quadric) const {
     return q;
 }
 
-// Writes everything in the flat where also sum of l_k y_k = 0, k = 0 .. d; no if that is at infinity. With
-// l_p other than 0, p < d, and all others times l_p, y_p is minus the sum of the others times their l.
-bool SpaceTie::impose(const Row& l) {
-    const std::size_t d = dimension_,
-                      p = static_cast<std::size_t>(
-                          std::find_if(l.begin(), l.end() - 1, [](const Exact&c) { return !is_zero(c); }) -
-                          l.begin());
-    if (p == d) return false;
-    const auto substitute = [&](const Row& linear) {  // in y, as one in what is left of them
-        Row out;
-        for (std::size_t k = 0; k <= d; ++k)
-            if (k != p) out.push_back(l[p] * linear[k] - l[k] * linear[p]);
-        return out;
-    };
+// The first of y_0 .. y_{d-1} that a linear form has, if it has one.
+std::optional<std::size_t> SpaceTie::pivot_of(const Row& l) {
+    const auto at = std::find_if(l.begin(), l.end() - 1, [](const Exact& c) { return !is_zero(c); });
+    return at == l.end() - 1 ? std::nullopt : std::optional(static_cast<std::size_t>(at - l.begin()));
+}
+
+// In the flat where also sum of l_k y_k = 0, k = 0 .. d: with all others times l_p, y_p is minus the sum of
+// the others times their l.
+SpaceTie::Row SpaceTie::substituted(const Row& linear, const Row& l, std::size_t p) {
+    Row out;
+    for (std::size_t k = 0; k < l.size(); ++k)
+        if (k != p) out.push_back(l[p] * linear[k] - l[k] * linear[p]);
+    return out;
+}
+SpaceTie::Row SpaceTie::within(const Row& quadric, const Row& l, std::size_t p) {
+    const std::size_t n = l.size();
     std::vector<Row> images;  // of each y
-    for (std::size_t k = 0; k <= d; ++k) {
-        Row one(d + 1);
+    for (std::size_t k = 0; k < n; ++k) {
+        Row one(n);
         one[k] = 1.0;
-        images.push_back(substitute(one));
+        images.push_back(substituted(one, l, p));
     }
+    Row image(terms(n - 1));
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i; j < n; ++j) add_product(image, quadric[term(n, i, j)], images[i], images[j]);
+    return image;
+}
+
+// Writes everything in that flat; no if it is at infinity.
+bool SpaceTie::impose(const Row& l) {
+    const auto p = pivot_of(l);
+    if (!p) return false;
     for (Row& q : quadrics_) {
-        Row image(terms(d));
-        for (std::size_t i = 0; i <= d; ++i)
-            for (std::size_t j = i; j <= d; ++j)
-                add_product(image, q[term(d + 1, i, j)], images[i], images[j]);
-        divide_by_common_factor(image);
-        q = std::move(image);
+        q = within(q, l, *p);
+        divide_by_common_factor(q);
     }
+    const std::size_t d = dimension_;
     Row all;
     for (Row& row : flat_) {
-        row = substitute(row);
+        row = substituted(row, l, *p);
         all.insert(all.end(), row.begin(), row.end());
     }
     divide_by_common_factor(all);
@@ -154,9 +174,9 @@ void SpaceTie::reduce() {
     }
 }
 
-bool SpaceTie::implies(FormId form) const {
-    if (is_empty_) return false;
-    Row q = restricted(equation(family_, form));
+// What is left of a quadric, in y, without multiples of the others. Pre: !is_empty_.
+SpaceTie::Row SpaceTie::remainder(const Row& quadric) const {
+    Row q = restricted(quadric);
     for (const Row& row : quadrics_) {
         const auto k = static_cast<std::size_t>(
             std::ranges::find_if(row, [](const Exact& c) { return !is_zero(c); }) - row.begin());
@@ -164,7 +184,81 @@ bool SpaceTie::implies(FormId form) const {
         const Exact factor = q[k];
         for (std::size_t i = 0; i < q.size(); ++i) q[i] = row[k] * q[i] - factor * row[i];
     }
-    return std::ranges::all_of(q, [](const Exact& c) { return is_zero(c); });
+    return q;
+}
+
+bool SpaceTie::implies(FormId form) const {
+    const auto found = implied(equation(family_, form));
+    return found && !found->beside;
+}
+
+// Where a linear form is left, and a combination of the others is the product of it and another one.
+std::optional<SpaceTie::Implied> SpaceTie::implied(const Quadric& equation) const {
+    if (is_empty_) return std::nullopt;
+    const Row q = remainder(equation);
+    const auto begin = q.begin() + static_cast<std::ptrdiff_t>(terms(dimension_));
+    const auto is_none = [](const Exact& c) { return is_zero(c); };
+    if (!std::all_of(q.begin(), begin, is_none)) return std::nullopt;
+    if (std::all_of(begin, q.end(), is_none)) return Implied{};
+    const Row linear(begin, q.end());
+    const auto product = multiple_of(linear);
+    if (!product) return std::nullopt;
+    const auto other = other_factor(*product, linear);
+    return other ? std::optional(Implied{other}) : std::nullopt;
+}
+
+// A combination of the quadrics that is zero wherever a linear form is, by elimination of what they are
+// there.
+std::optional<SpaceTie::Row> SpaceTie::multiple_of(const Row& linear) const {
+    const auto p = pivot_of(linear);
+    if (!p) return std::nullopt;
+    struct Combination {
+        Row there, here;
+    };
+    std::vector<Combination> rest;
+    for (const Row& q : quadrics_) rest.push_back({within(q, linear, *p), q});
+    while (!rest.empty()) {
+        const Combination first = std::move(rest.back());
+        rest.pop_back();
+        const auto pivot = std::ranges::find_if(first.there, [](const Exact& c) { return !is_zero(c); });
+        if (pivot == first.there.end()) return first.here;
+        const auto k = static_cast<std::size_t>(pivot - first.there.begin());
+        for (Combination& c : rest) {
+            const Exact factor = c.there[k];
+            if (is_zero(factor)) continue;
+            for (std::size_t i = 0; i < c.there.size(); ++i)
+                c.there[i] = *pivot * c.there[i] - factor * first.there[i];
+            for (std::size_t i = 0; i < c.here.size(); ++i)
+                c.here[i] = *pivot * c.here[i] - factor * first.here[i];
+        }
+    }
+    return std::nullopt;
+}
+
+// Of a quadric l l' the factor l', in X. With l_j other than 0, j < d, it is, times l_j^2, q_ij l_j - l_i
+// q_jj.
+std::optional<Linear> SpaceTie::other_factor(const Row& q, const Row& l) const {
+    const std::size_t n = dimension_ + 1, j = *pivot_of(l);
+    Row factor(n);
+    for (std::size_t i = 0; i < n; ++i)
+        factor[i] = i == j ? q[term(n, j, j)] * l[j] : q[term(n, i, j)] * l[j] - l[i] * q[term(n, j, j)];
+    Row product(terms(n));
+    add_product(product, 1.0, l, factor);
+    for (std::size_t i = 0; i < product.size(); ++i)
+        if (product[i] != l[j] * l[j] * q[i]) return std::nullopt;
+    // Those y that were not eliminated are coordinates X, all times one number.
+    Linear in_space;
+    for (std::size_t k = 0; k < n; ++k) {
+        if (is_zero(factor[k])) continue;
+        const auto i = std::ranges::find_if(flat_, [&](const Row& row) {
+            for (std::size_t m = 0; m < n; ++m)
+                if (is_zero(row[m]) != (m != k)) return false;
+            return true;
+        });
+        if (i == flat_.end()) return std::nullopt;
+        in_space[static_cast<std::size_t>(i - flat_.begin())] = factor[k];
+    }
+    return in_space;
 }
 
 SpacePoint SpaceTie::to_space(const std::vector<OneRoot>& y) const {

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -44,8 +45,17 @@ public:
     SpaceTie(const FormFamily& family, std::span<const FormId> forms,
              const std::optional<ChartLine>& line = {});
 
+    /// Of any equations, that of the base among them.
+    SpaceTie(const FormFamily& family, std::vector<space_quadrics::Quadric> equations);
+
     /// Has the form the others' height wherever these have one and the same, t > 0?
     bool implies(FormId form) const;
+    /// An equation holds wherever the others do, or where they do and a linear form of X is not zero.
+    struct Implied {
+        std::optional<space_quadrics::Linear> beside;
+    };
+    /// None if it does neither.
+    std::optional<Implied> implied(const space_quadrics::Quadric& equation) const;
     /// Points in which all have one height, and more than two forms, or forms and the line, are not
     /// transversal: gradients of heights are on one line, along the chart's line of them all are the same.
     /// All such points, unless there are more unknowns than this can see through: then none.
@@ -56,7 +66,14 @@ public:
 private:
     using Row = std::vector<Exact>;
 
+    void start_in_space();
     Row restricted(const Row& quadric) const;
+    Row remainder(const Row& quadric) const;
+    std::optional<Row> multiple_of(const Row& linear) const;
+    std::optional<space_quadrics::Linear> other_factor(const Row& quadric, const Row& linear) const;
+    static std::optional<std::size_t> pivot_of(const Row& linear);
+    static Row substituted(const Row& linear, const Row& l, std::size_t p);
+    static Row within(const Row& quadric, const Row& l, std::size_t p);
     bool impose(const Row& linear);
     void reduce();
     std::vector<SpacePoint> roots(const Row& quadric, bool is_double) const;

@@ -53,9 +53,11 @@ public:
         return finish();
     }
 
-    // Pre: the region's rim, and all beyond it, belongs to one form.
-    MinimizationDiagram without_rim() {
+    // Pre: the region's rim, and all beyond it, belongs to one form. `hidden`: what ties of forms that are
+    // hidden everywhere.
+    MinimizationDiagram without_rim(std::span<const FormMesh::HiddenTie> hidden) {
         patchwork_.drop_rim(solve_all(root_, 1.0));
+        are_ties_told_ = patchwork_.tie_hidden(hidden);
         MinimizationDiagram result = finish();
         result.region = {};
         return result;
@@ -81,6 +83,9 @@ public:
         return finish();
     }
 
+    // Is it known of all that is hidden where it ties?
+    bool are_ties_told() const { return are_ties_told_; }
+
 private:
     std::vector<FormId> without_floor() const {
         std::vector<FormId> forms;
@@ -102,6 +107,7 @@ private:
                                          const Eigen::Vector2d& to, FormId f, FormId g) {
                 return are_one_along(family_, root_.sides[side], from, to, f, g, along_rim);
             });
+        tie_along_common_curves();
         MinimizationDiagram result = patchwork_.finish(mixed_.heights());
         result.region = region_;
         result.floor = options_.floor;
@@ -116,6 +122,31 @@ private:
         result.work.pieces = mixed_.pieces();
         result.assumptions = std::move(mixed_.assumptions());
         return result;
+    }
+
+    // Names what ties along edges in which the bisectors with three objects meet.
+    void tie_along_common_curves() {
+        const std::vector<CommonCurves::Triple> triples = mixed_.common_curves();
+        if (triples.empty()) return;
+        const Heights& heights = mixed_.heights();
+        const FloorRule rule(family_, options_);
+        CommonCurves curves(heights, rule);
+        const double room = 0x1p-36 * extent(root_.rect);  // to look at what is around a point
+        std::vector<FormMesh::HiddenTie> ties;
+        for (const CommonCurves::Triple& three : triples)
+            for (std::size_t i = 0; i < three.size(); ++i) {
+                const FormId form = three[i], other = three[(i + 1) % 3];
+                const auto is_tie = [&, three, form,
+                                     other](const FormMesh::ChartBox& box) -> std::optional<bool> {
+                    const Interval about(-room, room);
+                    if (curves.is_common(three, box.x + about, box.y + about)) return true;
+                    const auto sign = heights.value_difference(form, other, box.x, box.y).sign();
+                    if (!sign || *sign == Sign::Zero) return std::nullopt;
+                    return false;
+                };
+                ties.push_back({form, {other, three[(i + 2) % 3]}, is_tie});
+            }
+        patchwork_.tie_hidden(ties);
     }
 
     static Sides sides_of(const ConvexRegion& region) {
@@ -133,6 +164,7 @@ private:
     CircularRecursion circular_;
     const RegionPiece root_;
     MixedRecursion mixed_;
+    bool are_ties_told_ = true;
 };
 
 }  // namespace
@@ -153,20 +185,20 @@ MinimizationDiagram lower_envelope(const FormFamily& family, const ConvexRegion&
 
 namespace {
 
-MinimizationDiagram by_pieces_on_sphere(const FormFamily& family, const EnvelopeOptions& options) {
+// None if it is not told where the hidden ones tie.
+std::optional<MinimizationDiagram> by_pieces_on_sphere(const FormFamily& family,
+                                                       const EnvelopeOptions& options,
+                                                       std::span<const FormMesh::HiddenTie> hidden = {}) {
     const double reach = chart_reach(family);
-    return EnvelopeBuilder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options,
-                           sphere_sizes)
-        .without_rim();
+    EnvelopeBuilder builder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options,
+                            sphere_sizes);
+    MinimizationDiagram diagram = builder.without_rim(hidden);
+    if (!builder.are_ties_told()) return std::nullopt;
+    return diagram;
 }
 
-// Part of a chart.
-struct ChartBox {
-    Interval x, y;
-};
-
 // Is the linear form less than zero in the box? None if its sign is not the same in all of it.
-std::optional<bool> is_negative(const ExactForm& form, const ChartBox& box) {
+std::optional<bool> is_negative(const ExactForm& form, const FormMesh::ChartBox& box) {
     const auto sign = (form.K.enclosure() * (square(box.x) + square(box.y)) + form.A.enclosure() * box.x +
                        form.B.enclosure() * box.y + form.C.enclosure())
                           .sign();
@@ -174,55 +206,17 @@ std::optional<bool> is_negative(const ExactForm& form, const ChartBox& box) {
     return *sign == Sign::Negative;
 }
 
-// Adds what ties to the labels of vertices or edges, which lie in these boxes each. A factor keeps its sign
-// all along an edge, as heights come to zero nowhere: one box in which it is told is enough. False if there
-// is none.
-template <class BoxesOf>
-bool add_to_labels(const FormFamily& family, const std::vector<PencilTie>& ties, std::vector<FormId>& labels,
-                   std::vector<std::uint32_t>& offsets, BoxesOf boxes_of) {
-    std::vector<FormId> all, label;
-    std::vector<std::uint32_t> begins{0};
-    const auto has = [&](FormId f) { return std::ranges::find(label, f) != label.end(); };
-    for (std::uint32_t i = 0; i + 1 < offsets.size(); ++i) {
-        label.assign(labels.begin() + offsets[i], labels.begin() + offsets[i + 1]);
-        for (std::size_t before = 0; before != label.size();) {
-            before = label.size();
-            for (const PencilTie& tie : ties) {
-                if (!has(tie.between[0]) || !has(tie.between[1]) || has(tie.form)) continue;
-                std::optional<bool> is_tie;
-                if (!tie.is_factor) is_tie = true;
-                for (const ChartBox& box : tie.is_factor ? boxes_of(i) : std::vector<ChartBox>())
-                    if (!is_tie) is_tie = is_negative(family.exact(tie.form), box);
-                if (!is_tie) return false;
-                if (*is_tie) label.push_back(tie.form);
-            }
-        }
-        std::ranges::sort(label);
-        all.insert(all.end(), label.begin(), label.end());
-        begins.push_back(static_cast<std::uint32_t>(all.size()));
+// A factor keeps its sign all along an edge, as heights come to zero nowhere.
+std::vector<FormMesh::HiddenTie> hidden_ties(const FormFamily& family, std::span<const PencilTie> ties) {
+    std::vector<FormMesh::HiddenTie> hidden;
+    for (const PencilTie& tie : ties) {
+        hidden.push_back({tie.form, tie.between, {}});
+        if (tie.is_factor)
+            hidden.back().is_tie = [form = family.exact(tie.form)](const FormMesh::ChartBox& box) {
+                return is_negative(form, box);
+            };
     }
-    labels = std::move(all);
-    offsets = std::move(begins);
-    return true;
-}
-
-bool add_to_labels(const FormFamily& family, const std::vector<PencilTie>& ties,
-                   MinimizationDiagram& diagram) {
-    const auto around = [](const Eigen::Vector2d& p, double error) {
-        return ChartBox{Interval::ball(p.x(), error), Interval::ball(p.y(), error)};
-    };
-    const auto of_vertex = [&](std::uint32_t v) {
-        const MinimizationDiagram::Vertex& vertex = diagram.vertices[VertexId{v}];
-        return std::vector{around(vertex.point, vertex.error)};
-    };
-    const auto of_edge = [&](std::uint32_t e) {
-        std::vector<ChartBox> boxes;
-        for (const MinimizationDiagram::ArcPiece& piece : diagram.pieces(EdgeId{e}))
-            boxes.push_back(around(piece.end, piece.error));
-        return boxes;
-    };
-    return add_to_labels(family, ties, diagram.vertex_labels_, diagram.vertex_offsets_, of_vertex) &&
-           add_to_labels(family, ties, diagram.edge_labels_, diagram.edge_offsets_, of_edge);
+    return hidden;
 }
 
 }  // namespace
@@ -231,7 +225,7 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
     if (family.is_all_circular()) {
         if (options.incremental)
             if (auto diagram = disc_diagram_on_sphere(family, options)) return *std::move(diagram);
-        return by_pieces_on_sphere(family, options);
+        return *by_pieces_on_sphere(family, options);
     }
     std::vector<PencilTie> ties = find_pencil_ties(family);
     while (!ties.empty()) {
@@ -239,11 +233,11 @@ MinimizationDiagram lower_envelope_on_sphere(const FormFamily& family, const Env
         for (const PencilTie& tie : ties)
             if (std::ranges::none_of(others.hidden, [&](const auto& h) { return h.form == tie.form; }))
                 others.hide(tie.form);
-        MinimizationDiagram diagram = by_pieces_on_sphere(others, options);
-        if (add_to_labels(family, ties, diagram)) return diagram;
+        if (auto diagram = by_pieces_on_sphere(others, options, hidden_ties(family, ties)))
+            return *std::move(diagram);
         std::erase_if(ties, &PencilTie::is_factor);
     }
-    return by_pieces_on_sphere(family, options);
+    return *by_pieces_on_sphere(family, options);
 }
 
 namespace {
@@ -311,9 +305,9 @@ MinimizationDiagram lower_envelope_on_cylinder(const FormFamily& family, double 
         f.slope = f.slope.scaled(exponent);
     }
     scaled.tips = axial_tips(scaled.radial, y0 / unit, y1 / unit);
-    // What is nowhere lowest may show beside a floor.
-    std::vector<RingTie> ties;
-    if (options.floor.empty()) ties = find_ring_ties(scaled.radial, y0 / unit, y1 / unit);
+    // Beside a floor, whose forms come last, what is nowhere the least of the others does not show, either.
+    std::vector<RingTie> ties = find_ring_ties(
+        std::span(scaled.radial).first(scaled.radial.size() - options.floor.size()), y0 / unit, y1 / unit);
     for (const RingTie& tie : ties)
         scaled.hidden.push_back({FormId{tie.form}, {-infinity, infinity}, {tie.from, tie.to}});
     const double most = std::max(1.0, unit);

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "../../core/errors.hpp"
+#include "../../core/sort_unique.hpp"
 #include "../proofs/mixed_analysis.hpp"
 
 namespace vcell {
@@ -309,6 +310,16 @@ Decisions MixedRecursion::decisions() const {
     solvers_.for_each([&](const Solver& solver) { sum += solver.decisions(); });
     sum.assumed = assumptions_.size();
     return sum;
+}
+
+std::vector<CommonCurves::Triple> MixedRecursion::common_curves() const {
+    std::vector<CommonCurves::Triple> all;
+    solvers_.for_each([&](const Solver& solver) {
+        for (const CommonCurves::Triple& three : solver.competition().common_curves().found())
+            all.push_back(three);
+    });
+    sort_unique(all);
+    return all;
 }
 
 LabelledPiece MixedRecursion::label(const RegionPiece& piece) {

@@ -48,6 +48,8 @@ public:
     Decisions decisions() const;
     std::vector<Assumption>& assumptions() { return assumptions_; }
     std::size_t pieces() const { return pieces_; }
+    /// Triples of forms that were found to tie all along a curve.
+    std::vector<CommonCurves::Triple> common_curves() const;
 
 private:
     struct Effort {

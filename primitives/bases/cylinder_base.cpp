@@ -12,39 +12,30 @@
 #include <vector>
 
 #include "../forms/axial_ties.hpp"
-#include "../forms/wall_ties.hpp"
 #include "../objects/message.hpp"
+#include "cylinder_entries.hpp"
 #include "cylinder_forms.hpp"
 #include "given_axis.hpp"
-#include "mirror_ties.hpp"
+#include "given_equations.hpp"
 #include "radial_objects.hpp"
 
 namespace vcell {
 
 namespace {
 
+using cylinder_entries::Entry;
+using cylinder_entries::with_equal_ones;
 using cylinder_forms::CylinderForms;
 using cylinder_forms::CylinderFrame;
 using cylinder_forms::GivenAxis;
 using cylinder_forms::Side;
 using Kind = InputError::Kind;
 
-// Sites and what equals one of them: FoundForms::add_twins() adds that only to sites that have a form.
-template <class Sites>
-std::vector<Site> with_equal_ones(const Sites& sites, const RadialObjects& objects, std::size_t count) {
-    std::vector<Site> all(sites.begin(), sites.end());
-    for (std::uint32_t i = 0; objects.has_merged() && i < count; ++i) {
-        const std::uint32_t owner = objects.owner(i);
-        if (owner == RadialObjects::none || owner == i) continue;
-        if (std::ranges::find(sites, objects.site(owner)) != sites.end()) all.push_back(objects.site(i));
-    }
-    return all;
-}
-
-// Pre: no floor, beside which what is nowhere lowest may show.
+// Among what is no floor: beside one, too, what is nowhere the least of the others does not show.
 template <class Sites>
 void add_passing_ties(const Sites& sites, RadialBaseProblem& problem) {
-    for (const PassingTie& tie : find_passing_ties(problem.family.radial)) {
+    const std::span<const RadialForm> forms = problem.family.radial;
+    for (const PassingTie& tie : find_passing_ties(forms.first(forms.size() - problem.floor.size()))) {
         for (const std::array<double, 2>& x : tie.ranges)
             problem.family.hidden.push_back({FormId{tie.form}, x, {-infinity, infinity}});
         for (const Site site : sites[FormId{tie.form}])
@@ -52,93 +43,10 @@ void add_passing_ties(const Sites& sites, RadialBaseProblem& problem) {
     }
 }
 
-// A form and whose it is.
-struct Entry {
-    std::vector<Site> sites;
-    Object canonical;
-    RadialForm form;
-    bool is_kept = true;
-    bool is_of_floor = false;
-    bool is_of_crossing = false;
-    FormId id{};
-};
-
-// Ties of what has planes for bisectors, sides of the box, walls between crossing axes and tubes along the
-// base that have its radius, name these by their places among the entries. Where there are more such tubes
-// they take no part, as looking at all pairs would take longer than the cell.
-std::vector<WallTie> wall_ties(const std::vector<Entry>& entries, double reach, double most) {
-    constexpr std::size_t most_flat = 64;
-    const auto is_flat = [](const Entry& e) {
-        return std::holds_alternative<Cylinder>(e.canonical) && !e.form.has_root() &&
-               e.form.b0.sign() == Sign::Zero;
-    };
-    const bool with_flat = static_cast<std::size_t>(std::ranges::count_if(entries, is_flat)) <= most_flat;
-    std::vector<std::uint32_t> places;
-    std::vector<RadialForm> walls;
-    bool has_crossing = false;  // three sides of the box have no line in common
-    for (std::uint32_t i = 0; i < entries.size(); ++i) {
-        const Entry& e = entries[i];
-        const bool is_side = e.sites.front().kind == Site::Kind::BoxSide && !e.is_of_floor;
-        if (!e.is_kept || (!is_side && !e.is_of_crossing && !(with_flat && is_flat(e)))) continue;
-        walls.push_back(e.form);
-        places.push_back(i);
-        has_crossing = has_crossing || e.is_of_crossing;
-    }
-    if (!has_crossing) return {};
-    std::vector<WallTie> ties = find_wall_ties(walls, reach, most);
-    for (WallTie& tie : ties) tie = {places[tie.middle], places[tie.first], places[tie.second], tie.move};
-    return ties;
-}
-
-// Leaves out the middle ones, and returns how far these give way. Of walls that are one but for rounding each
-// is the middle one to the other and a third: none is left out for what is left out itself.
-double drop_middle(const std::vector<WallTie>& ties, std::vector<Entry>& entries) {
-    double gives_way = 0;
-    for (const WallTie& tie : ties) {
-        gives_way = std::max(gives_way, tie.move);
-        if (entries[tie.first].is_kept && entries[tie.second].is_kept) entries[tie.middle].is_kept = false;
-    }
-    return gives_way;
-}
-
-// Leaves out what lies behind a mirror of the base (find_mirror_ties()), adds how it ties, and returns how
-// far it gives way.
-double drop_mirrored(const Scene& scene, const Cylinder& base, double most, std::vector<Entry>& entries,
-                     std::vector<WallTie>& ties) {
-    double gives_way = 0;
-    std::vector<const Object*> objects;
-    for (const Entry& e : entries) {
-        const Site own = e.sites.front();
-        const bool takes_part = e.is_kept && !e.is_of_floor && own.is_object();
-        objects.push_back(takes_part ? &scene.objects[scene.place(own.index)] : nullptr);
-    }
-    for (const MirrorTie& tie : find_mirror_ties(base, objects, most)) {
-        entries[tie.hidden].is_kept = false;
-        gives_way = std::max(gives_way, tie.move);
-        ties.push_back({tie.hidden, tie.mirrored, tie.mirror, tie.move});
-    }
-    return gives_way;
-}
-
-// Pre: what is kept has its number.
-void add_ties(const std::vector<AxialTie>& ties, double most_rounded, const std::vector<Entry>& entries,
-              const RadialObjects& objects, std::size_t count, RadialBaseProblem& problem) {
-    for (const AxialTie& tie : ties) {
-        const Entry &before = entries[tie.before], &after = entries[tie.after];
-        if (!before.is_kept || !after.is_kept) continue;  // behind a mirror
-        for (const Site site : with_equal_ones(entries[tie.middle].sites, objects, count))
-            problem.generator_ties.push_back({site, before.id, after.id, tie.move <= most_rounded});
-    }
-}
-void add_ties(const std::vector<WallTie>& ties, const std::vector<Entry>& entries,
-              const RadialObjects& objects, std::size_t count, RadialBaseProblem& problem) {
-    for (const WallTie& tie : ties) {
-        const Entry &first = entries[tie.first], &second = entries[tie.second];
-        if (!first.is_kept || !second.is_kept || entries[tie.middle].is_kept) continue;
-        for (const Site site : with_equal_ones(entries[tie.middle].sites, objects, count))
-            problem.common_ties.push_back({site, first.id, second.id});
-    }
-}
+// In box diagonals, some times the rounding of coordinates.
+constexpr double tie_rounding = 0x1p-50;
+// Places in a box that repeats were moved to a grid (voronoi_diagram.hpp).
+constexpr double grid_rounding = 0x1p-42;
 
 class CylinderProblem {
 public:
@@ -165,10 +73,6 @@ public:
 
 private:
     static constexpr const char* contains_section = "contains a cross section of the base";
-    // In box diagonals, some times the rounding of coordinates.
-    static constexpr double tie_rounding = 0x1p-50;
-    // Places in a box that repeats were moved to a grid (voronoi_diagram.hpp).
-    static constexpr double grid_rounding = 0x1p-42;
 
     Side side(std::uint32_t s) const {
         const WorldSide side(walls_, s);
@@ -500,10 +404,12 @@ private:
                     {e.id, CylinderForms::turned(forms_.form(
                                objects_.cylinders.of(static_cast<std::uint32_t>(scene_.place(own.index)))))});
         }
+        if (frame_.turn > 0)
+            problem.family.given = given_equations(base_, motion_, given_forms(entries, problem, walls_));
         add_ties(ties, most_rounded, entries, objects_, scene_.objects.size(), problem);
         add_ties(ties_of_walls, entries, objects_, scene_.objects.size(), problem);
         found.add_twins(objects_);
-        if (problem.floor.empty()) add_passing_ties(found.sites, problem);
+        add_passing_ties(found.sites, problem);
         problem.frame = motion_;
         problem.unit = unit_;
         problem.moved = moved() + rounded + gives_way;

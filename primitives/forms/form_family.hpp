@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "../../core/curves/circular_form.hpp"
@@ -36,6 +38,17 @@ struct FormFamily : CircularFamily {
         RadialForm tube;
     };
     std::vector<TubeOfWall> tubes_of_walls;  ///< ascending
+
+    /// Where the base was turned forms are a little beside those of what was given. These are the equations
+    /// of that as space_quadrics.hpp has them, in coordinates of space and the distance from the base; none
+    /// of forms that have none in rational numbers.
+    struct GivenEquations {
+        std::vector<Exact> base;
+        std::function<std::optional<std::vector<Exact>>(FormId)> of;
+        /// Encloses the X of what is around p, t in the canonical ones.
+        std::function<std::array<Interval, 5>(const std::array<Interval, 3>& p, const Interval& t)> place;
+    };
+    std::optional<GivenEquations> given;
 
     /// Where in the chart forms are nowhere lower than all others, those that are there as low included: over
     /// a cylinder, y in that unit, about ties (RingTie, PassingTie); elsewhere sides of the box and, over a
@@ -64,6 +77,18 @@ struct FormFamily : CircularFamily {
     /// Are the heights' equations c q^2 - 2 b q - a = 0 over the chart as over a plane, with c of degree two
     /// at most, b of degree one and a constant, or heights themselves of degree two?
     bool are_quadratic() const { return radial.empty(); }
+
+    /// Is a form's height the only root of its equation, all over the rectangle between these y? That of a
+    /// vessel, and of a tube that pierces the base, has another one.
+    bool has_one_root(FormId f, const Interval& y) const {
+        if (is_circular(f)) return true;
+        if (radial.empty()) return !cylinder(f).is_hollow();
+        const RadialForm& form = radial_form(f);
+        const auto& c = form.c;
+        return !form.has_root() ||
+               (!form.is_hollow && form.a0.sign() == Sign::Zero &&
+                (c[0].enclosure() + y * (c[1].enclosure() + y * c[2].enclosure())).sign() == Sign::Positive);
+    }
 
     std::size_t size() const { return forms.size() + cylinders.size() + radial.size(); }
     bool is_circular(FormId f) const { return f.value < forms.size(); }

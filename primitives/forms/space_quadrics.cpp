@@ -101,6 +101,20 @@ Quadric equation(const FormFamily& family, FormId f) {
                             : radial_equation(family.radial_form(f), chart);
 }
 
+std::array<Interval, unknowns> places(const FormFamily& family, const Interval& x, const Interval& y,
+                                      const Interval& height) {
+    const Chart chart = family.compared_over();
+    const Interval one(1.0);
+    if (chart.is_plane()) return {x, y, Interval(0.0), height, one};
+    const Interval t = -one / height;
+    std::array<Interval, 3> p = chart.normal(x, y, chart.is_back(x.upper()));
+    for (Interval& part : p) part = t * part;
+    if (chart.is_cylinder()) p[1] = y;
+    if (!family.given) return {p[0], p[1], p[2], t, one};
+    if (chart.is_cylinder()) p[1] = family.axial_unit * y;
+    return family.given->place(p, t);
+}
+
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c) {
     const Chart chart = family.compared_over();
     const Exact zero;

@@ -37,6 +37,10 @@ void add_product(Quadric& q, const Exact& factor, std::span<const Exact> f, std:
 
 Quadric base_equation(const FormFamily& family);
 Quadric equation(const FormFamily& family, FormId f);
+/// Encloses X where heights over a box of the chart are in a range, t > 0; of what was given, where forms are
+/// beside that.
+std::array<Interval, unknowns> places(const FormFamily& family, const Interval& x, const Interval& y,
+                                      const Interval& height);
 /// The line a x + b y + c = 0 of the chart. None of those that run along the axis of a cylinder or obliquely
 /// to it.
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c);
