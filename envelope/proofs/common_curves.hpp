@@ -56,15 +56,15 @@ private:
     // From the one that grows most along d to the one that grows least: which is how they follow each other
     // before the curve.
     using Order = std::array<FormId, 3>;
-    // Those that show on neither side of the curve.
+    // Returns those that show on neither side of the curve.
     std::vector<FormId> shown_nowhere(const Order& three) const;
     std::optional<Order> order(const Triple& forms, const Interval& x, const Interval& y);
     HeightJet<Interval> jet(FormId f, const Interval& x, const Interval& y) const;
-    // Times one factor for all forms.
+    // Heights come times one factor for all forms.
     PlaneJet near(FormId f, const Eigen::Vector2d& p) const;
     bool is_near(const Triple& forms, const Interval& x, const Interval& y) const;
     std::optional<Interval> in_one_half(const Interval& x, double margin) const;
-    // For each of three whether it ties where the other two do.
+    // This tells for each of three whether it ties where the other two do.
     using Implied = std::array<std::optional<SpaceTie::Implied>, 3>;
     const Implied& implied(const Triple& forms);
     bool is_off(const space_quadrics::Linear& linear, const Interval& x, const Interval& y,

@@ -111,8 +111,8 @@ bool MixedAnalysis::is_plain(PieceWork& work) {
     return plain;
 }
 
-// What shows nowhere in the piece but where it ties with two others. What ties on the rim is left for that
-// vertex.
+// This leaves out what shows nowhere in the piece but where it ties with two others. What ties on the rim is
+// left for that vertex.
 bool MixedAnalysis::leave_out_between(PieceWork& work) {
     const std::size_t before = work.rivals.size();
     if (before < 3 || !work.knots.empty()) return false;

@@ -267,8 +267,8 @@ void SideLabelling::add_if_one(const SideLine& line, double s0, double s1, FormI
     t.ties.push_back(f);
 }
 
-// What shows nowhere over a stretch but where it ties with two others, unless it is a label already: where
-// the base was turned what ties may show by a rounding.
+// This leaves out what shows nowhere over a stretch but where it ties with two others, unless it is a label
+// already: where the base was turned what ties may show by a rounding.
 void SideLabelling::leave_out_between(const IntervalPoint& range, FormId l0, FormId l1,
                                       SmallVector<FormId, usual_rivals>& forms) {
     const std::vector<FormId> hidden =
@@ -304,7 +304,7 @@ bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s
         if (l0 != l1) out.push_back(roots_.locate(line, s0, s1, l0, l1, least_slope));
         return true;
     }
-    // Of forms that tie along a curve which crosses the side shorter stretches tell more than one point of
+    // If forms tie along a curve that crosses the side, shorter stretches tell more than one point of
     // it.
     const bool is_curve = left.size() == 3 && s1 - s0 > crowded_width * extent &&
                           all_.common_curves().may_tie({left[0], left[1], left[2]}, range[0], range[1]);

@@ -45,7 +45,7 @@ public:
     SpaceTie(const FormFamily& family, std::span<const FormId> forms,
              const std::optional<ChartLine>& line = {});
 
-    /// Of any equations, that of the base among them.
+    /// Takes any equations, that of the base among them.
     SpaceTie(const FormFamily& family, std::vector<space_quadrics::Quadric> equations);
 
     /// Has the form the others' height wherever these have one and the same, t > 0?

@@ -31,7 +31,8 @@ using cylinder_forms::GivenAxis;
 using cylinder_forms::Side;
 using Kind = InputError::Kind;
 
-// Among what is no floor: beside one, too, what is nowhere the least of the others does not show.
+// These are sought among what is no floor: beside one, too, what is nowhere the least of the others does not
+// show.
 template <class Sites>
 void add_passing_ties(const Sites& sites, RadialBaseProblem& problem) {
     const std::span<const RadialForm> forms = problem.family.radial;

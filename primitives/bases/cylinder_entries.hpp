@@ -26,8 +26,8 @@ struct Entry {
 std::vector<Site> with_equal_ones(const std::vector<Site>& sites, const RadialObjects& objects,
                                   std::size_t count);
 
-/// Of those that are kept; a wall between crossing axes is none of what was given. Pre: problem.given is
-/// filled.
+/// Names what the forms that are kept are of; a wall between crossing axes is none of what was given. Pre:
+/// problem.given is filled.
 std::vector<GivenForm> given_forms(const std::vector<Entry>& entries, const RadialBaseProblem& problem,
                                    const Box& walls);
 
