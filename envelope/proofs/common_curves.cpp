@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "../../core/small_vector.hpp"
+#include "mixed_terms.hpp"
 
 namespace vcell {
 
@@ -20,10 +21,6 @@ constexpr double least_growth = 0x1p-40;
 // More forms have too many triples; fewer are left in smaller boxes.
 constexpr std::size_t most_compared = 8;
 
-Interval along(const Vector2d& d, const std::array<Interval, 2>& g) {
-    return Interval(d.x()) * g[0] + Interval(d.y()) * g[1];
-}
-
 // Are linear functions next to being equal along one line? Most are not, and that takes least to see.
 bool share_line(const PlaneJet& f, const PlaneJet& g, const PlaneJet& h, double width) {
     constexpr double parallel = 0.25;
@@ -37,8 +34,6 @@ bool share_line(const PlaneJet& f, const PlaneJet& g, const PlaneJet& h, double 
 bool is_any(const std::array<std::optional<SpaceTie::Implied>, 3>& implied) {
     return std::ranges::any_of(implied, [](const auto& i) { return i.has_value(); });
 }
-
-double growth(const Interval& slope) { return std::max(slope.lower(), -slope.upper()); }
 
 }  // namespace
 
@@ -74,7 +69,7 @@ std::vector<FormId> CommonCurves::shown_nowhere(const Order& three) const {
         return rule_.exactly_showing(of, compare).front();
     };
     const std::array both{shows(three, false), shows(three, true)};
-    // Of the two alone one might show where it would not have.
+    // Without the third one of the two might show where it would not have.
     if (both[0] != both[1] && (shows(both, false) != both[0] || shows(both, true) != both[1])) return {};
     std::vector<FormId> others;
     for (const FormId f : three)
@@ -204,10 +199,10 @@ std::optional<CommonCurves::Order> CommonCurves::order(const Triple& forms, cons
     std::array<Interval, 3> slopes;
     std::array<int, 3> behind{};  // how many of the others grow more
     for (std::size_t i = 0; i < 3; ++i) {
-        slopes[i] = along(d, gradients[i]);
+        slopes[i] = derivative(d, gradients[i]);
         const auto sign = slopes[i].sign();
         if (!sign || *sign == Sign::Zero) return std::nullopt;
-        if (growth(slopes[i]) * margin < least_growth * size) return std::nullopt;
+        if (least_magnitude(slopes[i]) * margin < least_growth * size) return std::nullopt;
         const auto [j, k] = pair(i);
         ++behind[*sign == Sign::Positive ? k : j];
     }
@@ -218,7 +213,7 @@ std::optional<CommonCurves::Order> CommonCurves::order(const Triple& forms, cons
         const Interval mx(half->mid()), my(y.mid());
         const Interval difference = jet(forms[j], mx, my).v - jet(forms[k], mx, my).v +
                                     gradients[i][0] * (*half - mx) + gradients[i][1] * (y - my);
-        return difference.magnitude() <= growth(slopes[i]) * within * margin;
+        return difference.magnitude() <= least_magnitude(slopes[i]) * within * margin;
     };
     for (std::size_t i = 0; i < 3; ++i) {
         if (!which[i] || !meets_on_all_lines(i)) continue;

@@ -1,7 +1,9 @@
 // What decisions in a piece and along its sides have in common.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -32,6 +34,14 @@ inline double nearest_double(const Wide& coordinate, double extent) {
 }
 
 inline bool is_point(Interval i) { return i.lower() == i.upper(); }
+
+// The least absolute value that an interval holds.
+inline double least_magnitude(const Interval& i) { return std::max({0.0, i.lower(), -i.upper()}); }
+
+// The derivative along d, of a gradient.
+inline Interval derivative(const Eigen::Vector2d& d, const std::array<Interval, 2>& gradient) {
+    return Interval(d.x()) * gradient[0] + Interval(d.y()) * gradient[1];
+}
 
 // Bounds the distance of all points of a box from its middle.
 inline double reach(Interval x, Interval y) { return Interval::up(std::hypot(x.radius(), y.radius())); }

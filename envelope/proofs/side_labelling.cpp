@@ -142,7 +142,6 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
     const double m = Interval(s0, s1).mid(), r = Interval(s0, s1).radius();
     const IntervalPoint middle = line.at(Interval(m)), range = line.at(Interval(s0, s1));
     Rivals out{{}, 0};
-    const auto least = [](Interval slope) { return std::max({0.0, slope.lower(), -slope.upper()}); };
     const double extent = all_.extent_at(range[0], range[1]);
     const std::vector<FormId> open = all_.not_hidden(candidates, range[0], range[1]);
     if (!heights_.family().hidden.empty()) candidates = open;
@@ -154,7 +153,7 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
         if (!all_.have_twins(rivals)) {
             if (rivals.size() == 2) {
                 const auto [gx, gy] = box.gradient(rivals[0].support, rivals[1].support);
-                out.least_slope = least(line.along({{}, gx, gy}));
+                out.least_slope = least_magnitude(line.along({{}, gx, gy}));
             }
             return out;
         }
@@ -187,11 +186,11 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
                 line.is_above_twin(heights_, a.form, b.form, Interval(s0, s1)));
     };
     rule_.drop_hidden(items, form, values, certainly_above);
-    if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
+    if (items.size() == 2) out.least_slope = least_magnitude(items[0].slope - items[1].slope);
     if (items.size() == 2 && out.least_slope == 0) {
         items[0].slope = line.mean_slope_difference(heights_, items[0].form, items[1].form, Interval(s0, s1));
         items[1].slope = 0;
-        out.least_slope = least(items[0].slope);
+        out.least_slope = least_magnitude(items[0].slope);
         const FormId f = items[0].form, g = items[1].form;
         const Interval difference = heights_.are_twins(f, g)
                                         ? heights_.value_difference(f, g, middle[0], middle[1])
@@ -219,7 +218,7 @@ SideLabelling::Rivals SideLabelling::rivals_along(const SideLine& line, double s
             sharp, [](const SharpItem& i) { return i.form; }, sharply_above);
         decisions_.by_multiprecision += items.size() - sharp.size();
         items.assign(sharp.begin(), sharp.end());
-        if (items.size() == 2) out.least_slope = least(items[0].slope - items[1].slope);
+        if (items.size() == 2) out.least_slope = least_magnitude(items[0].slope - items[1].slope);
     }
     for (const Item& i : items) out.forms.push_back(i.form);
     return out;
@@ -293,8 +292,8 @@ bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s
     if (left.size() > 2 && s1 - s0 < tie_width * all_.tie_extent_at(range[0], range[1])) {
         leave_out_between(range, l0, l1, left);
         if (left.size() == 2) {
-            const Interval slope = line.slope_difference(heights_, left[0], left[1], Interval(s0, s1));
-            least_slope = std::max({0.0, slope.lower(), -slope.upper()});
+            least_slope =
+                least_magnitude(line.slope_difference(heights_, left[0], left[1], Interval(s0, s1)));
         }
     }
     decisions_.by_interval += candidates.size() - left.size();
@@ -304,11 +303,12 @@ bool SideLabelling::descend(const SideLine& line, double s0, FormId l0, double s
         if (l0 != l1) out.push_back(roots_.locate(line, s0, s1, l0, l1, least_slope));
         return true;
     }
-    // If forms tie along a curve that crosses the side, shorter stretches tell more than one point of
-    // it.
-    const bool is_curve = left.size() == 3 && s1 - s0 > crowded_width * extent &&
-                          all_.common_curves().may_tie({left[0], left[1], left[2]}, range[0], range[1]);
-    if (!is_seam && s1 - s0 < sharp_width * extent && !is_curve)
+    // Where forms tie along a curve that crosses the side, shorter stretches tell more than one point of it.
+    const auto is_curve = [&] {
+        return left.size() == 3 && s1 - s0 > crowded_width * extent &&
+               all_.common_curves().may_tie({left[0], left[1], left[2]}, range[0], range[1]);
+    };
+    if (!is_seam && s1 - s0 < sharp_width * extent && !is_curve())
         if (const auto tie = crossings_.find_tie(line, s0, l0, s1, l1, left)) {
             out.push_back(*tie);
             return true;

@@ -55,34 +55,31 @@ std::optional<std::array<Exact, 2>> multiple_root(const std::array<Exact, 4>& c)
     return std::nullopt;
 }
 
+std::vector<Row> equations_of(const FormFamily& family, std::span<const FormId> forms) {
+    std::vector<Row> all{base_equation(family)};
+    for (const FormId f : forms) all.push_back(equation(family, f));
+    return all;
+}
+
 }  // namespace
 
 SpaceTie::SpaceTie(const FormFamily& family, std::span<const FormId> forms,
                    const std::optional<ChartLine>& line)
-    : family_(family) {
-    start_in_space();
-    quadrics_.push_back(base_equation(family));
-    for (const FormId f : forms) quadrics_.push_back(equation(family, f));
+    : SpaceTie(family, equations_of(family, forms), line) {}
+
+SpaceTie::SpaceTie(const FormFamily& family, std::vector<Quadric> equations,
+                   const std::optional<ChartLine>& line)
+    : family_(family), quadrics_(std::move(equations)) {
+    for (std::size_t i = 0; i < unknowns; ++i) {
+        flat_[i].resize(unknowns);
+        flat_[i][i] = 1.0;
+    }
     for (Row& q : quadrics_) divide_by_common_factor(q);
     if (line) {
         const Linear l = *equation_of(family, *line);
         is_empty_ = !impose(Row(l.begin(), l.end()));
     }
     reduce();
-}
-
-SpaceTie::SpaceTie(const FormFamily& family, std::vector<Quadric> equations)
-    : family_(family), quadrics_(std::move(equations)) {
-    start_in_space();
-    for (Row& q : quadrics_) divide_by_common_factor(q);
-    reduce();
-}
-
-void SpaceTie::start_in_space() {
-    for (std::size_t i = 0; i < unknowns; ++i) {
-        flat_[i].resize(unknowns);
-        flat_[i][i] = 1.0;
-    }
 }
 
 // A quadric in X as one in y.
@@ -235,8 +232,8 @@ std::optional<SpaceTie::Row> SpaceTie::multiple_of(const Row& linear) const {
     return std::nullopt;
 }
 
-// Of a quadric l l' the factor l', in X. With l_j other than 0, j < d, it is, times l_j^2, q_ij l_j - l_i
-// q_jj.
+// Divides a quadric l l' by l; returns l', in X. With l_j other than 0, j < d, it is, times l_j^2, q_ij l_j -
+// l_i q_jj.
 std::optional<Linear> SpaceTie::other_factor(const Row& q, const Row& l) const {
     const std::size_t n = dimension_ + 1, j = *pivot_of(l);
     Row factor(n);

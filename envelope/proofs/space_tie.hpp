@@ -46,7 +46,8 @@ public:
              const std::optional<ChartLine>& line = {});
 
     /// Takes any equations, that of the base among them.
-    SpaceTie(const FormFamily& family, std::vector<space_quadrics::Quadric> equations);
+    SpaceTie(const FormFamily& family, std::vector<space_quadrics::Quadric> equations,
+             const std::optional<ChartLine>& line = {});
 
     /// Has the form the others' height wherever these have one and the same, t > 0?
     bool implies(FormId form) const;
@@ -66,7 +67,6 @@ public:
 private:
     using Row = std::vector<Exact>;
 
-    void start_in_space();
     Row restricted(const Row& quadric) const;
     Row remainder(const Row& quadric) const;
     std::optional<Row> multiple_of(const Row& linear) const;

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "../../core/solver/newton/newton.hpp"
+#include "mixed_terms.hpp"
 
 namespace vcell {
 
@@ -13,10 +14,6 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-
-Interval along(const Vector2d& d, const std::array<Interval, 2>& g) {
-    return Interval(d.x()) * g[0] + Interval(d.y()) * g[1];
-}
 
 Interval bend(const HeightCurvature<Interval>& c, const Vector2d& u, const Vector2d& v) {
     return Interval(u.x()) * v.x() * c.xx + (Interval(u.x()) * v.y() + Interval(u.y()) * v.x()) * c.xy +
@@ -45,14 +42,14 @@ public:
         d_ = Vector2d(F[0].mid(), F[1].mid()).normalized();
         if (!d_.allFinite()) return std::nullopt;
         e_ = Vector2d(-d_.y(), d_.x());
-        const Interval Fn = along(d_, F), rise = along(d_, hg);
-        least_rise_ = std::min(rise.lower(), -along(d_, hf).upper());
+        const Interval Fn = derivative(d_, F), rise = derivative(d_, hg);
+        least_rise_ = std::min(rise.lower(), -derivative(d_, hf).upper());
         if (!(Fn.lower() > 0 && least_rise_ > 0)) return std::nullopt;
 
         const double l = rise.mid() / Fn.mid();
         const auto of_f = heights_.curvature(f_, x_, y_), of_g = heights_.curvature(g_, x_, y_);
         const auto FF = of_f - of_g, DD = heights_.curvature(h_, x_, y_) - of_g - l * FF;
-        const Interval slope = -along(e_, F) / Fn;
+        const Interval slope = -derivative(e_, F) / Fn;
         const auto second = [&](const HeightCurvature<Interval>& c) {
             return bend(c, e_, e_) + 2.0 * bend(c, e_, d_) * slope + bend(c, d_, d_) * square(slope);
         };
@@ -284,7 +281,7 @@ private:
         const Interval off =
             Interval(enclosure(residual).magnitude()) / slope_ * across_;  // of the true trisector
         const Interval phi = enclosure(rise(p));
-        const double least = std::max(phi.lower(), -phi.upper());
+        const double least = least_magnitude(phi);
         if (Interval(least).lower() > (change_ + off.magnitude()).upper()) return true;
         if (phi.magnitude() + off.magnitude() < change_.lower()) return false;
         return std::nullopt;
