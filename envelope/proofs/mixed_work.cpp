@@ -123,8 +123,19 @@ std::optional<Sign> PieceWork::turn(const Spread& a, const Spread& b, const Spre
     const auto reversed = [](std::optional<Sign> s) { return s ? std::optional(-*s) : s; };
     if (b.form < a.form) return reversed(turn(b, a, c));
     if (c.form < b.form) return reversed(turn(a, c, b));
-    // A difference of twins is to be one of the two that are compared.
-    return heights.are_twins(b.form, c.form) ? turn_from(b, c, a) : turn_from(a, b, c);
+    const auto [p, q, r] = told_apart(a, b, c);
+    return turn_from(*p, *q, *r);
+}
+
+std::array<const Spread*, 3> PieceWork::told_apart(const Spread& a, const Spread& b, const Spread& c) const {
+    if (heights.are_twins(b.form, c.form)) return {&b, &c, &a};
+    if (normals) return {&a, &b, &c};
+    constexpr double much_steeper = 0x1p10;
+    const auto steepness = [](const Spread& s, const Spread& t) {
+        return std::hypot(s.gx.mid() - t.gx.mid(), s.gy.mid() - t.gy.mid());
+    };
+    if (much_steeper * steepness(b, c) < std::min(steepness(a, b), steepness(a, c))) return {&b, &c, &a};
+    return {&a, &b, &c};
 }
 
 std::optional<Sign> PieceWork::turn_from(const Spread& a, const Spread& b, const Spread& c) const {
@@ -150,11 +161,11 @@ std::optional<Sign> PieceWork::turn_from(const Spread& a, const Spread& b, const
 bool PieceWork::is_hidden(const Spread& a, const Spread& b, const Spread& c) const {
     if (supports || rivals.size() < 4 || !rule.spares(forms())) return false;
     if (!a.bend || !b.bend || !c.bend) return false;
-    const auto where = heights.are_twins(b.form, c.form) ? common_zeros(difference(c, b), difference(a, b))
-                                                         : common_zeros(difference(b, a), difference(c, a));
+    const auto [p, q, r] = told_apart(a, b, c);
+    const auto where = common_zeros(difference(*q, *p), difference(*r, *p));
     return !where || std::ranges::any_of(rivals, [&](const Spread& s) {
-        return &s != &a && &s != &b && &s != &c && s.bend &&
-               difference(s, a).value((*where)[0], (*where)[1]).upper() < 0;
+        return &s != p && &s != q && &s != r && s.bend &&
+               difference(s, *p).value((*where)[0], (*where)[1]).upper() < 0;
     });
 }
 

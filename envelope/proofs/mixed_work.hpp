@@ -83,6 +83,10 @@ struct PieceWork : PieceDrawing {
     bool falls_on_rim(FormId a, FormId b, const Vector2d& direction) const;
     std::size_t place(const Spread& s) const { return static_cast<std::size_t>(&s - rivals.data()); }
     const DividedBox& divided() const;
+    // Three in this succession or one step on, so that the first one's differences with both others tell
+    // where all are equal: of what is by far the steepest, as a twin of the base is, only one of the two; of
+    // twins, their own.
+    std::array<const Spread*, 3> told_apart(const Spread& a, const Spread& b, const Spread& c) const;
     // The turn from grad a over grad b to grad c, over a sphere at least in a box that holds all points where
     // a = b = c are lowest; Zero if there are no such points. The three in one order always, as another one
     // need not tell.

@@ -5,7 +5,14 @@
 
 namespace vcell {
 
-bool PieceVertices::locate(const std::array<FormId, 3>& forms, MixedPiece::Vertex& v) {
+std::array<FormId, 3> PieceVertices::told_apart(const std::array<FormId, 3>& forms) const {
+    const auto [a, b, c] =
+        work_.told_apart(*work_.find(forms[0]), *work_.find(forms[1]), *work_.find(forms[2]));
+    return {a->form, b->form, c->form};
+}
+
+bool PieceVertices::locate(const std::array<FormId, 3>& three, MixedPiece::Vertex& v) {
+    const std::array<FormId, 3> forms = told_apart(three);
     v = {work_.middle(), 0, forms[0], {}};
     const auto root = root_near(model_of<Interval>([&](const IntervalBox<2>& p) {
                                     return work_.supports ? equal_heights(*work_.supports, forms, p)
@@ -38,8 +45,9 @@ bool PieceVertices::locate(const std::array<FormId, 3>& forms, MixedPiece::Verte
 
 // Contracts a box a little larger than the piece, or the part of it where all three meet, to the root, if
 // there is one.
-Inside PieceVertices::find(std::array<FormId, 3> forms, MixedPiece::Vertex& out) {
-    if (work_.known_apart(forms)) return Inside::No;
+Inside PieceVertices::find(const std::array<FormId, 3>& three, MixedPiece::Vertex& out) {
+    if (work_.known_apart(three)) return Inside::No;
+    const std::array<FormId, 3> forms = told_apart(three);
     std::array<double, 4> box = work_.piece.box;
     const bool by_supports = work_.supports && work_.rivals.size() <= most_divided;
     if (by_supports) {
@@ -50,9 +58,7 @@ Inside PieceVertices::find(std::array<FormId, 3> forms, MixedPiece::Vertex& out)
     }
     const Spread &a = *work_.find(forms[0]), &b = *work_.find(forms[1]), &c = *work_.find(forms[2]);
     if (!by_supports && a.bend && b.bend && c.bend) {
-        const auto offsets = heights_.are_twins(b.form, c.form)
-                                 ? common_zeros(work_.difference(c, b), work_.difference(a, b))
-                                 : common_zeros(work_.difference(b, a), work_.difference(c, a));
+        const auto offsets = common_zeros(work_.difference(b, a), work_.difference(c, a));
         if (!offsets) return Inside::No;
         for (const int i : {0, 1}) {
             const Interval part = Interval(work_.middle()[i]) + (*offsets)[i];

@@ -10,9 +10,12 @@ public:
     PieceVertices(Competition& all, PieceWork& work) : PieceArgument(all, work) {}
 
     /// The point inside in which the three are equal, which is known to exist. False: it is not found.
-    bool locate(const std::array<FormId, 3>& forms, MixedPiece::Vertex& v);
+    bool locate(const std::array<FormId, 3>& three, MixedPiece::Vertex& v);
     /// Is there one in the piece?
-    Inside find(std::array<FormId, 3> forms, MixedPiece::Vertex& out);
+    Inside find(const std::array<FormId, 3>& three, MixedPiece::Vertex& out);
+
+private:
+    std::array<FormId, 3> told_apart(const std::array<FormId, 3>& forms) const;
 };
 
 }  // namespace vcell
