@@ -190,8 +190,8 @@ std::optional<MinimizationDiagram> by_pieces_on_sphere(const FormFamily& family,
                                                        const EnvelopeOptions& options,
                                                        std::span<const FormMesh::HiddenTie> hidden = {}) {
     const double reach = chart_reach(family);
-    EnvelopeBuilder builder(family, ConvexRegion::rectangle(-reach, -reach, reach, reach), options,
-                            sphere_sizes);
+    const ConvexRegion all = ConvexRegion::rectangle(-reach, -reach, reach, reach);
+    EnvelopeBuilder builder(family, all, options, sphere_sizes);
     MinimizationDiagram diagram = builder.without_rim(hidden);
     if (!builder.are_ties_told()) return std::nullopt;
     return diagram;
