@@ -22,10 +22,13 @@ inline Vec3 across_y(const Vec3& p) { return {p.x(), 0, p.z()}; }
 
 // A unit vector across the unit vector `axis`, as near to `towards` as can be.
 inline Vec3 across(const Vec3& axis, const Vec3& towards) {
-    const Vec3 x = towards - axis * axis.dot(towards);
+    Vec3 x = towards - axis * axis.dot(towards);
     // Output accuracy: of a smaller sine rounding would be more than 2^-32, and any direction is as near.
     constexpr double least_sine = 0x1p-20;
-    return x.norm() > least_sine * towards.norm() ? Vec3(x.normalized()) : axis.unitOrthogonal();
+    if (!(x.norm() > least_sine * towards.norm())) return axis.unitOrthogonal();
+    // What rounding left of the axis counts as much more as this is shorter: on a needle along it.
+    x.normalize();
+    return (x - axis * axis.dot(x)).normalized();
 }
 
 }  // namespace vcell::radial_patch_terms

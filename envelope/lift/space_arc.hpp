@@ -36,11 +36,12 @@ struct SpacePart {
 struct SpaceSite {
     Object object;
     bool is_wall = false;  ///< a Plane with outward normal that bounds the cell: a side of the box, an end
-    std::vector<SpacePart> parts;  ///< none: no trim on this side
+    std::vector<SpacePart> parts{};  ///< none: no trim on this side
     /// Where parts begin, ascending: angles, if they are sectors once around an axis and `across` is the
     /// tangent of half the angle from a sector's middle; lengths, if they are strips and `across` is one; of
     /// others none.
     std::vector<double> starts{};
+    std::optional<double> power = std::nullopt;  ///< of a ball around a ball (ball_power())
 };
 
 struct SpaceEnd {

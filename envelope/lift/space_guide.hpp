@@ -33,14 +33,17 @@ public:
     ArcGuide(const BaseChart& chart, const SpaceArc& arc, const ArcEquations& equations)
         : chart_(chart), arc_(arc), equations_(equations) {}
 
-    // The point over a chart point, by the heights of both sides.
+    // The point over a chart point, by the side whose bisector the ray meets more steeply.
     Vector4d lifted(const Vec2& q) const { return over(chart_.foot(q), chart_.normal(q)); }
     Vector4d over(const Vec3& foot, const Vec3& normal) const {
-        double t = equations_.sites[0].distance_along(foot, normal);
-        if (!arc_.pieces.empty()) t = 0.5 * (t + equations_.sites[1].distance_along(foot, normal));
-        Vector4d X;
-        X << t * normal + foot, t;
-        return X;
+        const Vector4d left = met(0, foot, normal);
+        if (arc_.pieces.empty()) return left;
+        const Vector4d right = met(1, foot, normal);
+        const auto slope = [&](int k, const Vector4d& X) {
+            const Vector4d g = equations_.sites[k].gradient(X);
+            return std::abs(g[3] + g.head<3>().dot(normal));
+        };
+        return slope(0, left) < slope(1, right) ? right : left;
     }
     // In the chart, as continued to the piece.
     Vec2 chart_point(const Vector4d& X, const Piece& piece) const {

@@ -19,7 +19,9 @@ using namespace space_fit;
 using std::numbers::pi;
 
 Equation equation_of(const BaseChart& chart, const SpaceSite& site, const Vec3& foot) {
-    return site_equation(chart, site.object, site.is_wall, foot);
+    Equation equation = site_equation(chart, site.object, site.is_wall, foot);
+    if (site.power) equation.set_power(*site.power);
+    return equation;
 }
 
 // An edge as its fit's guide: the pieces of the diagram, and trims.

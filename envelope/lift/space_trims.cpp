@@ -186,16 +186,20 @@ double TrimProof::operator()(const Points& points, const LocalEquations& local, 
     double most = 0;
     for (int side = 0; side < 2 && most < infinity; ++side) {
         if (!patches_[side]) continue;
-        double error = trim_error(side, points, local, tube.q);
+        double q = 0, error = trim_error(side, points, local, q);
         if (tube.curve <= tolerance && !(error <= tolerance) && patches_[side]->surface)
-            error = std::min(error, distance_on(*patches_[side]->surface, points, side, tube.blur));
+            if (const double other = distance_on(*patches_[side]->surface, points, side, tube.blur);
+                other < error) {
+                error = other;
+                q = 0;
+            }
         most = std::max(most, error);
+        tube.q = std::max(tube.q, q);
     }
     return most;
 }
 
-double TrimProof::trim_error(int side, const Points& points, const LocalEquations& local,
-                             double& largest_q) const {
+double TrimProof::trim_error(int side, const Points& points, const LocalEquations& local, double& q) const {
     const ArcEquations& equations = proof_.equations();
     const PatchCoordinates& coordinates = patches_[side]->patch;
     const Neighbourhood& D = local.D;
@@ -227,7 +231,7 @@ double TrimProof::trim_error(int side, const Points& points, const LocalEquation
         e[2 + i] = trim.residual[i] / scale;
     }
     const Solver solver(M, variations);
-    largest_q = std::max(largest_q, solver.q);
+    q = solver.q;
     if (!solver.is_regular()) return infinity;
     const double distance = solver.distance(e);
     return distance <= D.room ? distance : infinity;

@@ -48,7 +48,8 @@ private:
     struct Trim {
         std::array<double, 2> residual, divisor;
     };
-    double trim_error(int side, const Points& points, const LocalEquations& local, double& largest_q) const;
+    // q: of step 2.
+    double trim_error(int side, const Points& points, const LocalEquations& local, double& q) const;
 
     const TubeProof& proof_;
     const Patches& patches_;

@@ -2,6 +2,41 @@
 
 namespace vcell::space_fit {
 
+std::optional<Equation> Equation::needle(const Equation& base, const Equation& site, const Vector4d& X) {
+    constexpr double thinnest_alike = 0x1p-6, widest = 0x1p-4;
+    if (!base.is_round_ || !site.is_round_ || site.kappa_ != 1 || site.sine_ > 0) return std::nullopt;
+    if (site.axis_ != base.axis_ && site.axis_ != -base.axis_) return std::nullopt;
+    const Vec3 a = base.from_axis(X), b = site.from_axis(X);
+    if ((a.normalized() - b.normalized()).norm() > thinnest_alike) return std::nullopt;
+    const Vec3 c = base.across(site.point_ - base.point_);
+    const double length = c.norm(), delta = std::abs(site.delta_ - base.delta_),
+                 gap = site.power_.value_or((length - delta) * (length + delta));
+    if (!(gap > 0 && gap <= widest * square(delta))) return std::nullopt;
+    // In axes of its own, as all that tells its width would cancel in others.
+    const Vec3 e = c / length, f = base.axis_.isZero(0) ? e.unitOrthogonal() : base.axis_;
+    SpaceQuadric q;
+    q.M.diagonal() << (base.axis_.isZero(0) ? 1 : 0), 1, -gap / square(delta), 0;
+    q.k = gap / 4;
+    Equation result;
+    result.is_needle_ = true;
+    result.turn_ << f.transpose(), e.cross(f).transpose(), e.transpose();
+    result.set_quadric(q.times(site.delta_ < base.delta_ ? 1 : -1), X, 0.5 * (base.point_ + site.point_));
+    result.reach_ = base.reach_ + site.reach_;
+    return result;
+}
+
+double Equation::needle_residual(const SpanPolynomials& span) const {
+    Bernstein<10> Q = raised<10>(0 * span.X[3] + quadric_->k);
+    Vector4d sizes = Vector4d::Zero();
+    for (int i = 0; i < 3; ++i) {
+        const Vec3 axis = turn_.row(i);
+        const Bernstein<5> x = span.linear(axis, 0, axis.dot(span.foot - point_));
+        Q = Q + quadric_->M(i, i) * vcell::square(x);
+        sizes[i] = x.largest();
+    }
+    return scale_ * QuinticNodes::get().largest(Q) + rounding * terms(sizes);
+}
+
 Equation base_equation(const BaseChart& chart, const Vec3& foot) {
     if (chart.is_plane()) return Equation::plane(Vec3::Zero(), Vec3::UnitZ(), 0);
     const Vec3 axis = chart.is_sphere() ? Vec3::Zero().eval() : Vec3::UnitY().eval();

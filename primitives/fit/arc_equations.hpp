@@ -153,12 +153,7 @@ public:
     static Equation quadric(const SpaceQuadric& quadric, const Vector4d& near,
                             const Vec3& center = Vec3::Zero()) {
         Equation e;
-        e.quadric_ = std::make_shared<const SpaceQuadric>(quadric);
-        e.point_ = center;
-        e.reach_ = center.norm();
-        e.bend_ = std::min(quadric.M.norm(), quadric.M.cwiseAbs().rowwise().sum().maxCoeff());
-        e.scale_ = 1;
-        e.scale_ = 1 / e.gradient(near).norm();
+        e.set_quadric(quadric, near, center);
         return e;
     }
     // A ball over a base plane, with z = t: |(x, y) - c|^2 + (c_z - rho) (c_z + rho) = 2 (c_z + rho) t.
@@ -204,11 +199,27 @@ public:
         return turn(a, b, X) < share * (1 / da + 1 / db);
     }
 
+    // The needle in which a ball is as far as the base ball, or a tube as a base tube of its direction, if
+    // one of the two touches the other from within but for little and both are seen in one direction from X.
+    // With c the way between their centres or axes, its unit vector e, Y what is across the axes of the way
+    // from halfway between them, and h = (|c|^2 - delta^2) / delta^2,
+    //     |Y|^2 - (1 + h) (e.Y)^2 + h delta^2 / 4 = -2 t L / delta - L^2 / delta^2,
+    //     L = (|c|^2 - delta^2) / 2 - c.p - delta t,
+    // for points p at the distance t, and the site's G vanishes where L does: an arc that starts there never
+    // gets to L = -2 delta t. Gradients of distances would turn as far on a small part of the needle's width
+    // as they are apart.
+    static std::optional<Equation> needle(const Equation& base, const Equation& site, const Vector4d& X);
+    bool is_needle() const { return is_needle_; }
+    // |c|^2 - delta^2 of a ball around a ball, where it is better known than its centre.
+    void set_power(double power) { power_ = power; }
+
     // What tells, beside the base's equation, where the site is as far as the base. Equations of what is all
     // but alike at X depend on each other so nearly that each alone would be told from the other on the
-    // shortest of spans only: their difference takes the site's place.
+    // shortest of spans only: their difference takes the site's place, or their needle.
     static Equation beside(const Equation& base, const Equation& site, const Vector4d& X) {
-        return are_alike(base, site, X) ? difference(base, site, X) : site;
+        if (are_alike(base, site, X)) return difference(base, site, X);
+        const auto thin = needle(base, site, X);
+        return thin ? *thin : site;
     }
 
     double operator()(const Vector4d& X) const {
@@ -228,8 +239,12 @@ public:
 
     // (g, -kappa)
     Vector4d gradient(const Vector4d& X) const {
-        if (quadric_) return scale_ * (2 * (quadric_->M * from_center(X)) + quadric_->l);
         Vector4d result;
+        if (quadric_) {
+            result = scale_ * (2 * (quadric_->M * from_center(X)) + quadric_->l);
+            if (is_needle_) result.head<3>() = turn_.transpose() * result.head<3>();
+            return result;
+        }
         const Vec3 g = is_round_ ? Vec3(spread_ * across(X.head<3>() - point_).normalized() - lean_) : axis_;
         result << g, -kappa_;
         return sense_ * result;
@@ -247,8 +262,9 @@ public:
         double squared = 0;
         for (int k = 0; k < points.cols(); ++k) {
             const Vector4d way = points.col(k).head<4>() - X;
-            squared = std::max(squared, quadric_ ? (quadric_->M * way).squaredNorm() / (bend_ * bend_)
-                                                 : across(way.head<3>()).squaredNorm());
+            squared =
+                std::max(squared, quadric_ ? (quadric_->M * in_own_axes(way)).squaredNorm() / (bend_ * bend_)
+                                           : across(way.head<3>()).squaredNorm());
         }
         return std::sqrt(squared) + room;
     }
@@ -271,7 +287,7 @@ public:
     }
     // The second derivative in the direction T.
     double second(const Vector4d& X, const Vector4d& T) const {
-        if (quadric_) return 2 * scale_ * T.dot(quadric_->M * T);
+        if (quadric_) return 2 * scale_ * in_own_axes(T).dot(quadric_->M * in_own_axes(T));
         if (!is_round_) return 0;
         const Vec3 m = across(X.head<3>() - point_), v = across(T.head<3>());
         const double d = m.norm();
@@ -344,8 +360,22 @@ private:
         return (tilt + 2 * (apart + tilt * h) / h) / h;
     }
 
+    void set_quadric(const SpaceQuadric& quadric, const Vector4d& near, const Vec3& center) {
+        quadric_ = std::make_shared<const SpaceQuadric>(quadric);
+        point_ = center;
+        reach_ = center.norm();
+        bend_ = std::min(quadric.M.norm(), quadric.M.cwiseAbs().rowwise().sum().maxCoeff());
+        scale_ = 1;
+        scale_ = 1 / gradient(near).norm();
+    }
     Vector4d from_center(const Vector4d& X) const {
-        return {X[0] - point_.x(), X[1] - point_.y(), X[2] - point_.z(), X[3]};
+        return in_own_axes({X[0] - point_.x(), X[1] - point_.y(), X[2] - point_.z(), X[3]});
+    }
+    Vector4d in_own_axes(const Vector4d& way) const {
+        if (!is_needle_) return way;
+        Vector4d turned;
+        turned << turn_ * way.head<3>(), way[3];
+        return turned;
     }
     // The sum of the absolute values of a quadric's terms, where those of (p - center, t) are these or less,
     // and what rounding of the center adds. Where the numbers are rounded it is what they are of two objects
@@ -356,7 +386,9 @@ private:
                                          : (2 * slopes.sum() + bend_ * rounding * reach_) * reach_;
         return scale_ * (sizes.dot(slopes + quadric_->l.cwiseAbs()) + std::abs(quadric_->k) + moved);
     }
+    double needle_residual(const SpanPolynomials& span) const;
     double quadric_residual(const SpanPolynomials& span) const {
+        if (is_needle_) return needle_residual(span);
         const Matrix4d& M = quadric_->M;
         Vector4d foot = Vector4d::Zero(), sizes;
         foot.head<3>() = span.foot - point_;
@@ -432,14 +464,16 @@ private:
     }
     Vec3 across(const Vec3& m) const { return m - axis_.dot(m) * axis_; }
 
-    bool is_round_ = false, is_rounded_ = false;  // is_rounded_: the numbers of a quadric are
+    bool is_round_ = false, is_rounded_ = false, is_needle_ = false;  // is_rounded_: a quadric's numbers are
     double kappa_ = 1, sense_ = 1;
     double delta_ = 0;
     double reach_ = 0;
     double blur_ = 0;
+    std::optional<double> power_;
     double spread_ = 1, sine_ = 0;                     // of cones
     Vec3 lean_ = Vec3::Zero();                         // likewise
     double scale_ = 0, bend_ = 0;                      // of a quadric; at least |M|
+    Eigen::Matrix3d turn_ = Eigen::Matrix3d::Zero();   // its own axes, of a needle
     Vec3 point_ = Vec3::Zero(), axis_ = Vec3::Zero();  // plane: axis_ is g
     std::shared_ptr<const SpaceQuadric> quadric_;      // which has a center, a reach and a scale only
 };
@@ -472,6 +506,7 @@ struct ArcEquations {
     // Does a plane through the arc, or the difference of the sites, stand for the right one's?
     bool is_replaced = false;
     bool has_difference = false;
+    bool has_needle = false;
 
     const Equation& operator[](int i) const { return equations[i]; }
 
@@ -486,6 +521,7 @@ struct ArcEquations {
 
     void tell_from_base(const Vector4d& X) {
         for (int i = 0; i < 2; ++i) bisectors[i] = Equation::beside(equations[0], sites[i], X);
+        has_needle = bisectors[0].is_needle() || bisectors[1].is_needle();
         equations[1] = bisectors[0];
         if (!is_replaced) equations[2] = bisectors[1];
     }

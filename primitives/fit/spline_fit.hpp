@@ -334,9 +334,11 @@ private:
     }
 
     // Takes a span from Hermite's data at the ends to the arc at the inner nodes, by a step of Newton's
-    // method each, or two where residuals are not small. Not if they are larger than `most`.
+    // method each, or two where residuals are not small. Not if they are larger than `most`. How far along a
+    // needle a point is its patch tells by how wide the needle is there: that wants them all.
     bool interpolate(Points& points, double most, double small) const {
-        constexpr int most_steps = 2;
+        const int most_steps = equations_.has_needle ? 4 : 2;
+        if (equations_.has_needle) small = 0;
         const QuinticNodes& nodes = QuinticNodes::get();
         Eigen::Matrix<double, 4, 6> at_nodes = points.topRows<4>() * nodes.values;
         double largest = infinity;

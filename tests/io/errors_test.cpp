@@ -286,6 +286,15 @@ TEST_CASE("errors: hostile steep faces: areas have bounds") {
     for (const CellFace& face : hostile("tip_beside_region").faces) CHECK(face.area_error < 1e-10);
 }
 
+TEST_CASE("errors: hostile needles: edges that cut them are known, and patches end there") {
+    for (const char* name : {"needle_cut_by_tube", "needle_in_tube"}) {
+        CAPTURE(name);
+        const Cell cell = hostile(name);
+        check_errors(cell);
+        CHECK(largest_edge_error(cell) < 1e-6);
+    }
+}
+
 TEST_CASE("errors: hostile touching tubes: integrals begin where distances are bounded") {
     // By adaptive quadrature of half the squared distance over angle and height, within 1e-9.
     for (const auto& [name, volume] : {std::pair("line_touches_tube", 32.0913983207),
