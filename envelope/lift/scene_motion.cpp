@@ -44,6 +44,20 @@ struct Direction {
 
     // Per length, but for the factor in Row::variation(): nothing of a plane.
     double turn() const { return 1 / distance; }
+    // The derivative of g.
+    Matrix3d derivative() const {
+        if (!(distance < infinity)) return Matrix3d::Zero();
+        const Vec3 out = from_center / distance;
+        return (sense * cosine / distance) *
+               (Matrix3d::Identity() - out * out.transpose() - axis * axis.transpose());
+    }
+};
+
+// A part of an edge: what its points have about the middle, and how far that is at most.
+struct Part {
+    std::array<Vec3, 6> ways;
+    int count = 0;
+    double radius = 0;
 };
 
 // The unit vector of a plane's normal or a cylinder's axis, which may have any length.
@@ -113,11 +127,22 @@ struct Row {
     bool has_object = false;
     double rounding = 0;    // of its value
     std::size_t place = 0;  // of the object
+    Matrix3d derivative = Matrix3d::Zero();
 
     // A vector of length d that moves by r < d turns by an angle whose sine is r / d at most: its unit vector
     // moves by sqrt(2) r / d at most, which 3/2 is above.
     double variation(double radius) const {
         return radius < nearest ? 1.5 * turn * radius + rounding : infinity;
+    }
+    // So far from a part. Along a needle both of its unit vectors turn alike: to first order a hull knows of
+    // that, and the second derivative of a unit vector m / |m| is 2 / sqrt(3) over |m|^2 at most.
+    double variation(const Part& part, double away) const {
+        const double radius = part.radius + away, plain = variation(radius);
+        if (!(radius < nearest)) return plain;
+        double along = 0;
+        for (int k = 0; k < part.count; ++k) along = std::max(along, (derivative * part.ways[k]).norm());
+        const double bend = radius / (nearest - radius), doubt = rounding + 32 * u * radius / nearest;
+        return std::min(plain, along + derivative.norm() * away + 1.2 * bend * bend + doubt);
     }
 };
 
@@ -137,6 +162,7 @@ Vec3 tilt_between(const Vec3& a, const Vec3& b) {
 // projections by as much, and 1 / |m| by b / h^2.
 Row difference(const Direction& b, const Direction& a) {
     Row row{b.g - a.g, std::min(a.distance, b.distance), a.turn() + b.turn()};
+    row.derivative = b.derivative() - a.derivative();
     row.rounding = a.rounding + b.rounding;
     if (const Vec3 way = b.normal - a.normal; !a.normal.isZero() && way.norm() < 0.125 * a.normal.norm()) {
         // n_b / |n_b| - n_a / |n_a|, of which nothing cancels but in n_b - n_a.
@@ -307,10 +333,15 @@ private:
     // turn with the base its equation has the shift given, at most.
     Row difference(const Row& b, const Row& a, double shift, const Vec3& p) const {
         if (!a.has_object || !b.has_object)
-            return {b.value - a.value,      std::min(a.nearest, b.nearest),
-                    a.turn + b.turn,        {},
-                    a.shift + b.shift,      false,
-                    a.rounding + b.rounding};
+            return {b.value - a.value,
+                    std::min(a.nearest, b.nearest),
+                    a.turn + b.turn,
+                    {},
+                    a.shift + b.shift,
+                    false,
+                    a.rounding + b.rounding,
+                    {},
+                    b.derivative - a.derivative};
         const auto& objects = cell_.scene.objects;
         const auto crossing = row_of_crossing(objects[a.place], objects[b.place], p);
         Row row = crossing ? *crossing : vcell::difference(b.object, a.object);
@@ -402,22 +433,25 @@ private:
     // Next to a point where the rows depend on each other (objects that touch, axes that cross) the arc goes
     // on from the part before to its end: it is no farther away than that part's size and motion.
     double of_piece(const std::array<Term, 2>& terms, double error, const Piece& piece, int& halvings) const {
-        const Vec3 first = piece.point(0), last = piece.point(piece.degree), middle = 0.5 * (first + last);
-        double square = std::max((first - middle).squaredNorm(), (last - middle).squaredNorm());
-        for (int k = 1; k < piece.degree; ++k)
-            square = std::max(square, (piece.point(k) - middle).squaredNorm());
-        const double radius = std::sqrt(square) + error;
+        const Vec3 middle = 0.5 * (piece.point(0) + piece.point(piece.degree));
+        Part part;
+        part.count = piece.degree + 1;
+        for (int k = 0; k < part.count; ++k) {
+            part.ways[k] = piece.point(k) - middle;
+            part.radius = std::max(part.radius, part.ways[k].norm());
+        }
+        const double radius = part.radius + error;
         // Halves of what has numbers that are none have some, too, without end.
         if (!std::isfinite(radius)) return infinity;
         const Direction base = this->base(middle);
         const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
         // The motion itself must stay within reach, too: more than the first guess, where objects are all but
         // alike.
-        double change = across(a, b, radius + room_);
+        double change = across(a, b, part, error + room_);
         if (change <= room_) return change;
         const Row apart = difference(b, a, between_objects_, middle);
         for (double reach = room_; reach < most_; reach = 2 * change) {
-            change = std::min(across(a, b, radius + reach), across(a, apart, radius + reach));
+            change = std::min(across(a, b, part, error + reach), across(a, apart, part, error + reach));
             if (change <= reach) return change;
         }
         // Halves of parts that are no longer than their place is known would not show more.
@@ -433,9 +467,9 @@ private:
         return most;
     }
 
-    // The motion across two rows, which may be anything they are within a radius.
-    double across(const Row& a, const Row& b, double radius) const {
-        const double va = a.variation(radius), vb = b.variation(radius);
+    // The motion across two rows, which may be anything they are so far from a part.
+    double across(const Row& a, const Row& b, const Part& part, double away) const {
+        const double va = a.variation(part, away), vb = b.variation(part, away);
         const double of_a = a.value.norm(), of_b = b.value.norm(), product = a.value.cross(b.value).norm(),
                      least = product - (of_a * vb + of_b * va + va * vb);
         // The vectors across that change one of the equations alone have the other row's length over the
