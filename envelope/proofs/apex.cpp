@@ -271,7 +271,6 @@ bool ApexFinder::is_tie_of_planes(const Apex& apex) const {
     return false;
 }
 
-// Chooses three rivals that are certainly equal in no more than one point of the piece.
 std::optional<std::array<FormId, 3>> ApexFinder::triple_in_one_point() const {
     const std::vector<Spread>& r = work_.rivals;
     for (std::size_t i = 0; i < r.size(); ++i)

@@ -22,9 +22,10 @@ public:
     ApexFinder(Competition& all, PieceWork& work) : PieceArgument(all, work) {}
 
     std::optional<Apex> find();
+    // Three rivals that are certainly equal in no more than one point of the piece.
+    std::optional<std::array<FormId, 3>> triple_in_one_point() const;
 
 private:
-    std::optional<std::array<FormId, 3>> triple_in_one_point() const;
     std::optional<Apex> find_in_line(Apex apex);
     std::optional<Apex> find_touching_in_noise(Apex apex,
                                                std::span<const std::array<std::size_t, 2>> touching,

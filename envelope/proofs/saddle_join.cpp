@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "given_tie.hpp"
+
 namespace vcell {
 
 // Two forms whose difference has a saddle's curvature all over the piece: its level set has no closed
@@ -141,7 +143,8 @@ bool SaddleJoin::join_at_pinch() {
     }
     const std::uint32_t v = add_vertex(node);
     for (const RimChange& from : c) lead_to(v, from);
-    if (!exact) all_.assume(node.point, node.error, node.ties);
+    if (!exact && !GivenTie(all_, work_).is_exact({node.point, node.error, node.ties, {}, {forms}}))
+        all_.assume(node.point, node.error, node.ties);
     return true;
 }
 

@@ -374,6 +374,12 @@ std::optional<std::array<Wide, 2>> wide_chart_point(const FormFamily& family, co
     return space_quadrics::chart_point<Wide>(family, p, wide_quotient);
 }
 
+std::array<Interval, 5> enclosure(const SpacePoint& p) {
+    std::array<Interval, 5> X;
+    for (std::size_t i = 0; i < X.size(); ++i) X[i] = quotient(p[i], p[4]);
+    return X;
+}
+
 bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p) {
     return is_zero(value(equation(family, f), p));
 }
@@ -412,12 +418,25 @@ OneRoot minor(const Gradient& a, const Gradient& b, const Gradient& c, std::size
 // Heights have equal gradients where the equations' gradients and that of the base are dependent: of those on
 // the base's tangent space, no multiple of each other's unless it is by the derivatives with respect to t,
 // which are not 0.
-bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p) {
-    const Gradient a = gradient(base_equation(family), p), b = gradient(equation(family, f), p),
-                   c = gradient(equation(family, g), p);
+bool have_equal_gradients(const std::array<Quadric, 3>& equations, const SpacePoint& p) {
+    const Gradient a = gradient(equations[0], p), b = gradient(equations[1], p),
+                   c = gradient(equations[2], p);
     for (std::size_t skipped = 0; skipped < 4; ++skipped)
         if (!is_zero(minor(a, b, c, skipped))) return false;
     return true;
+}
+bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p) {
+    return have_equal_gradients({base_equation(family), equation(family, f), equation(family, g)}, p);
+}
+
+// Likewise: they are on one line where all four gradients are dependent.
+bool have_gradients_in_line(const std::array<Quadric, 4>& equations, const SpacePoint& p) {
+    const Gradient a = gradient(equations[0], p), b = gradient(equations[1], p),
+                   c = gradient(equations[2], p), d = gradient(equations[3], p);
+    OneRoot determinant{{}, {}, p[0].c};
+    for (std::size_t i = 0; i < 4; ++i)
+        determinant = determinant + Exact(i % 2 == 0 ? 1.0 : -1.0) * (d[i] * minor(a, b, c, i));
+    return is_zero(determinant);
 }
 
 // Likewise, on what is tangent to the base and to the line.

@@ -93,6 +93,10 @@ std::optional<std::array<Wide, 2>> wide_chart_point(const FormFamily& family, co
 
 /// Have two forms equal gradients in a point in which they tie? Exact.
 bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p);
+/// The same of equations, that of the base first.
+bool have_equal_gradients(const std::array<space_quadrics::Quadric, 3>& equations, const SpacePoint& p);
+/// Are the gradients of three heights that tie on one line? Exact; of equations, that of the base first.
+bool have_gradients_in_line(const std::array<space_quadrics::Quadric, 4>& equations, const SpacePoint& p);
 
 /// Do two forms that tie change alike along a line of the chart? Exact.
 bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const SpacePoint& p,
@@ -100,6 +104,9 @@ bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const Space
 
 /// Does a form have this point's height there? Pre: t > 0.
 bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p);
+
+/// Encloses the coordinates of a point by themselves, X[4] = 1.
+std::array<Interval, 5> enclosure(const SpacePoint& p);
 
 /// Is a x + b y + c = 0 in the chart?
 bool is_on_line(const FormFamily& family, const SpacePoint& p, const SpaceTie::ChartLine& line);

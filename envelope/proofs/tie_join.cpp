@@ -4,13 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "given_tie.hpp"
+
 namespace vcell {
 
 // A convex piece shows the directions around the apex once each, in their order: when its rim has as many
 // changes as the fan has arms, each arm ends in one of them.
 bool TieJoin::join() {
     if (!rule_.spares(work_.forms())) return false;
-    const auto apex = ApexFinder(all_, work_).find();
+    ApexFinder finder(all_, work_);
+    const auto apex = finder.find();
     if (!apex) return false;
     // Between given ones in a position that input does not favour: an arm may not be one.
     std::vector<Vector2d> corners;
@@ -56,11 +59,23 @@ bool TieJoin::join() {
             work_.clear_inside();
             return false;
         }
-    if (apex->decided)
+    if (apex->decided || is_tie_of_given(*apex, finder.triple_in_one_point()))
         ++decisions_.by_exact;
     else
         all_.assume(apex->point, std::max(apex->noise, std::ldexp(extent_, assumed_exponent / 2)), forms);
     return true;
+}
+
+// Not asked on a rim.
+bool TieJoin::is_tie_of_given(const Apex& apex, const std::optional<std::array<FormId, 3>>& three) {
+    if (apex.rim) return false;
+    NoisyTie tie{apex.point, apex.error + apex.noise, work_.forms()};
+    for (std::size_t i = 0; i < tie.forms.size(); ++i)
+        for (std::size_t j = i + 1; j < tie.forms.size(); ++j)
+            if (apex.differences[i][j].curvature) tie.touching.push_back({tie.forms[i], tie.forms[j]});
+    for (const TiedBetween& b : apex.between)
+        tie.in_line.push_back({tie.forms[b.middle], tie.forms[b.outer[0]], tie.forms[b.outer[1]]});
+    return GivenTie(all_, work_).is_exact(tie, three);
 }
 
 // Boxes this wide, relative to their coordinates, still hold a thousand doubles.

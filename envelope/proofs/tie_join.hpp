@@ -13,6 +13,7 @@ public:
     bool join();
 
 private:
+    bool is_tie_of_given(const Apex& apex, const std::optional<std::array<FormId, 3>>& three);
     bool divide_arm(MixedPiece::Arc& arc, const Apex& apex, const FanArm& arm) const;
 };
 

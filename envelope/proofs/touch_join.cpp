@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "given_tie.hpp"
 #include "plain_join.hpp"
 #include "tie_join.hpp"
 
@@ -91,6 +92,9 @@ bool TouchJoin::join() {
                 const auto& [x, y] = *exact;
                 t.vertex.point = {x.mid(), y.mid()};
                 t.vertex.error = reach(x, y);
+            } else {
+                t.decided = GivenTie(all_, work_)
+                                .is_exact({t.vertex.point, t.vertex.error, t.vertex.ties, {}, {forms}});
             }
             touches.push_back(std::move(t));
             return true;

@@ -405,8 +405,11 @@ private:
                     {e.id, CylinderForms::turned(forms_.form(
                                objects_.cylinders.of(static_cast<std::uint32_t>(scene_.place(own.index)))))});
         }
+        const Eigen::Matrix3d turn = CylinderForms::chart() / CylinderForms::turn_norm;
         if (frame_.turn > 0)
-            problem.family.given = given_equations(base_, motion_, given_forms(entries, problem, walls_));
+            problem.family.given =
+                given_equations(base_, {turn.transpose() * motion_.rotation, motion_.origin},
+                                given_forms(entries, problem, walls_));
         add_ties(ties, most_rounded, entries, objects_, scene_.objects.size(), problem);
         add_ties(ties_of_walls, entries, objects_, scene_.objects.size(), problem);
         found.add_twins(objects_);
@@ -420,8 +423,7 @@ private:
                           {-1, 0, 3, {}},
                           {0, -1, stretch_[1], Site::end(1)},
                           {1, 0, 1, {}}};
-        problem.chart = {BaseShape::Cylinder, base_.radius,
-                         CylinderForms::chart() / CylinderForms::turn_norm};
+        problem.chart = {BaseShape::Cylinder, base_.radius, turn};
         problem.family.chart = problem.chart;
         for (const std::optional<Site>& site : early_ends_)
             if (site)
