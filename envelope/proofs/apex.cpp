@@ -122,7 +122,7 @@ std::optional<Apex> ApexFinder::find() {
     if (apex.rim)
         for (const PieceSide* side : work_.sides_at(*apex.rim))
             apex.decided = apex.decided && is_on_line(*exact, side->a, side->b, side->c);
-    apex.decided = apex.decided || is_tie_in_space(apex, touching);
+    apex.decided = apex.decided || is_tie_in_space(apex, touching, *c);
     if (apex.rim) return apex;
     apex.error = Interval::up(apex.error + Interval::up((rounded - apex.point).norm()));
     apex.point = rounded;
@@ -178,8 +178,8 @@ bool ApexFinder::can_be_told(const Apex& apex) const {
 // Do the equations of all forms leave a point of the piece, or of the rim where the apex is there, in which
 // those that touch have equal gradients? As the curvature of their difference lets the first two have these
 // once in the piece, it is the apex.
-bool ApexFinder::is_tie_in_space(const Apex& apex,
-                                 std::span<const std::array<std::size_t, 2>> touching) const {
+bool ApexFinder::is_tie_in_space(const Apex& apex, std::span<const std::array<std::size_t, 2>> touching,
+                                 const std::array<Wide, 2>& at) const {
     const HeightCurvature<Interval>& bend = *apex.differences[touching[0][0]][touching[0][1]].curvature;
     if (!(bend.xx * bend.yy - square(bend.xy)).sign()) return false;
     const FormFamily& family = heights_.family();
@@ -187,12 +187,14 @@ bool ApexFinder::is_tie_in_space(const Apex& apex,
     const SpaceTie tie(family, forms);
     std::vector<SpacePoint> candidates = tie.points();
     if (candidates.empty()) candidates = tie.tangencies();
+    if (candidates.empty())
+        if (auto p = points_.exact_tie_in_space(forms, at)) candidates.push_back(*std::move(p));
     return std::ranges::any_of(candidates, [&](const SpacePoint& p) {
         const auto place = chart_point(family, p);
         if (!place || !all_.is_met(forms[0], (*place)[0], (*place)[1])) return false;
         const auto is_on_rim = [&](const PieceSide& side) {
-            const auto at = work_.sides_at(*apex.rim);
-            return std::ranges::any_of(at, [&](const PieceSide* s) { return s->id == side.id; }) &&
+            const auto sides = work_.sides_at(*apex.rim);
+            return std::ranges::any_of(sides, [&](const PieceSide* s) { return s->id == side.id; }) &&
                    is_on_line(family, p, {side.a, side.b, side.c});
         };
         const auto is_inside = [&](const PieceSide& side) {

@@ -32,7 +32,9 @@ private:
                                                std::span<const HeightJet<Wide>> jets) const;
     bool can_be_told(const Apex& apex) const;
     void find_between(Apex& apex, int exponent);
-    bool is_tie_in_space(const Apex& apex, std::span<const std::array<std::size_t, 2>> touching) const;
+    // at: about the apex, with many digits.
+    bool is_tie_in_space(const Apex& apex, std::span<const std::array<std::size_t, 2>> touching,
+                         const std::array<Wide, 2>& at) const;
     bool is_tie_of_planes(const Apex& apex) const;
 };
 

@@ -47,9 +47,23 @@ bool CommonPoints::settle_sharply(MixedPiece::Vertex& v, const std::array<FormId
 std::optional<RationalPoint> CommonPoints::exact_tie(std::span<const FormId> forms, const Wide& x,
                                                      const Wide& y) {
     auto p = rational_near(x, y, extent_);
-    if (!p || (!heights_.family().radial.empty() && p->w != Exact(1.0))) return std::nullopt;
+    if (!p) return std::nullopt;
     decisions_.by_exact += forms.size() - 1;
     return all_tie(heights_.family(), forms, *p) ? std::move(p) : std::nullopt;
+}
+
+// The point in space with such coordinates over that place, if all of the forms tie there. Over a plane the
+// place has them itself.
+std::optional<SpacePoint> CommonPoints::exact_tie_in_space(std::span<const FormId> forms,
+                                                           const std::array<Wide, 2>& at) const {
+    const FormFamily& family = heights_.family();
+    const Chart chart = family.compared_over();
+    if (chart.is_plane() || family.tips.any()) return std::nullopt;
+    const auto& [x, y] = at;
+    const Wide t = Wide(-1.0) / heights_.value(forms[0], x, y);
+    const auto n = chart.normal(x, y, chart.is_back(x.approximation()));
+    auto p = space_point_near({t * n[0], chart.is_cylinder() ? y : t * n[1], t * n[2], t}, extent_);
+    return p && is_tie_at(family, forms, *p) ? std::move(p) : std::nullopt;
 }
 
 // The place about which forms tie as far as digits tell, if they do so exactly and three of them touch there.
@@ -64,7 +78,11 @@ std::optional<IntervalPoint> CommonPoints::exact_touch(std::span<const FormId> t
         return enclosure(*p);
     const double near = 0.25 * std::min(box[1] - box[0], box[3] - box[2]);
     decisions_.by_exact += ties.size() - 1;
-    for (const SpacePoint& p : SpaceTie(family, touching).tangencies()) {
+    std::vector<SpacePoint> candidates = SpaceTie(family, touching).tangencies();
+    if (candidates.empty())
+        if (auto p = exact_tie_in_space(ties, at); p && have_gradients_in_line(family, touching, *p))
+            candidates.push_back(*std::move(p));
+    for (const SpacePoint& p : candidates) {
         const auto place = chart_point(family, p);
         if (!place) continue;
         const auto& [x, y] = *place;
@@ -99,7 +117,8 @@ bool CommonPoints::settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>
         return at && (*box)[0].contains((*at)[0]) && (*box)[1].contains((*at)[1]);
     };
     if (!std::ranges::all_of(v.ties, is_theirs) &&
-        !std::ranges::any_of(SpaceTie(family, v.ties).points(), is_vertex))
+        !std::ranges::any_of(SpaceTie(family, v.ties).points(), is_vertex) &&
+        !exact_tie_in_space(v.ties, {(*box)[0], (*box)[1]}))
         return false;
     v.point = {x.mid(), y.mid()};
     v.error = reach(x, y);

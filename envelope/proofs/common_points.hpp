@@ -7,6 +7,7 @@
 
 #include "competition.hpp"
 #include "mixed_piece.hpp"
+#include "space_tie.hpp"
 
 namespace vcell {
 
@@ -20,6 +21,8 @@ public:
                                                     const std::array<FormId, 3>& forms, int exponent = -240);
     bool settle_sharply(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<RationalPoint> exact_tie(std::span<const FormId> forms, const Wide& x, const Wide& y);
+    std::optional<SpacePoint> exact_tie_in_space(std::span<const FormId> forms,
+                                                 const std::array<Wide, 2>& at) const;
     bool settle_tie(MixedPiece::Vertex& v, const std::array<FormId, 3>& forms);
     std::optional<IntervalPoint> exact_touch(std::span<const FormId> touching, std::span<const FormId> ties,
                                              const std::array<Wide, 2>& at, const std::array<double, 4>& box);

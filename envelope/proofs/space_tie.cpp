@@ -1,6 +1,7 @@
 #include "space_tie.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -384,6 +385,41 @@ bool passes_through(const FormFamily& family, FormId f, const SpacePoint& p) {
     return is_zero(value(equation(family, f), p));
 }
 
+bool is_tie_at(const FormFamily& family, std::span<const FormId> forms, const SpacePoint& p) {
+    return is_zero(value(base_equation(family), p)) &&
+           std::ranges::all_of(forms, [&](FormId f) { return passes_through(family, f, p); });
+}
+
+std::optional<SpacePoint> space_point_near(const std::array<Wide, 4>& X, double extent) {
+    const int exponent = std::ilogb(extent);
+    const Wide scale(std::ldexp(1.0, -exponent)), t = scale * X[3];
+    std::array<Fraction, 3> place;
+    Exact denominator(1.0);
+    for (std::size_t i = 0; i < place.size(); ++i) {
+        const auto x = simplest_near(scale * X[i]);
+        if (!x) return std::nullopt;
+        place[i] = *x;
+        denominator = denominator * x->denominator;
+    }
+    const auto distance = simplest_near(t);
+    const auto squared = distance ? distance : simplest_near(t * t);
+    if (!squared) return std::nullopt;
+    // t = n / d, or sqrt(n / d) = sqrt(n d) / d.
+    const auto& [n, d] = *squared;
+    const Exact c = distance ? Exact() : n * d, all = denominator * d;
+    SpacePoint p;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+        Exact x = place[i].numerator * d;
+        for (std::size_t k = 0; k < place.size(); ++k)
+            if (k != i) x = x * place[k].denominator;
+        p[i] = {x.scaled(exponent), {}, c};
+    }
+    const Exact over = denominator.scaled(exponent);
+    p[3] = distance ? OneRoot{n * over, {}, c} : OneRoot{{}, over, c};
+    p[4] = {all, {}, c};
+    return p;
+}
+
 bool is_on_line(const FormFamily& family, const SpacePoint& p, const SpaceTie::ChartLine& line) {
     const auto l = equation_of(family, line);
     if (!l) return false;
@@ -437,6 +473,13 @@ bool have_gradients_in_line(const std::array<Quadric, 4>& equations, const Space
     for (std::size_t i = 0; i < 4; ++i)
         determinant = determinant + Exact(i % 2 == 0 ? 1.0 : -1.0) * (d[i] * minor(a, b, c, i));
     return is_zero(determinant);
+}
+
+bool have_gradients_in_line(const FormFamily& family, std::span<const FormId> forms, const SpacePoint& p) {
+    return forms.size() < 3 ||
+           have_gradients_in_line({base_equation(family), equation(family, forms[0]),
+                                   equation(family, forms[1]), equation(family, forms[2])},
+                                  p);
 }
 
 // Likewise, on what is tangent to the base and to the line.

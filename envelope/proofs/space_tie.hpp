@@ -91,12 +91,22 @@ std::optional<std::array<Interval, 2>> chart_point(const FormFamily& family, con
 /// With many digits.
 std::optional<std::array<Wide, 2>> wide_chart_point(const FormFamily& family, const SpacePoint& p);
 
+/// Does X satisfy the base's equation and those of all of these? Exact.
+bool is_tie_at(const FormFamily& family, std::span<const FormId> forms, const SpacePoint& p);
+
+/// The point in rational coordinates and the square root of one, as its distance t, that (p, t) with many
+/// digits is taken to stand for; nothing is proved about it. None if there is no such point. extent: of all
+/// places.
+std::optional<SpacePoint> space_point_near(const std::array<Wide, 4>& X, double extent);
+
 /// Have two forms equal gradients in a point in which they tie? Exact.
 bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p);
 /// The same of equations, that of the base first.
 bool have_equal_gradients(const std::array<space_quadrics::Quadric, 3>& equations, const SpacePoint& p);
 /// Are the gradients of three heights that tie on one line? Exact; of equations, that of the base first.
 bool have_gradients_in_line(const std::array<space_quadrics::Quadric, 4>& equations, const SpacePoint& p);
+/// The same of two or three forms.
+bool have_gradients_in_line(const FormFamily& family, std::span<const FormId> forms, const SpacePoint& p);
 
 /// Do two forms that tie change alike along a line of the chart? Exact.
 bool have_equal_slopes(const FormFamily& family, FormId f, FormId g, const SpacePoint& p,

@@ -7,12 +7,6 @@
 
 namespace vcell {
 
-namespace {
-
-struct Fraction {
-    Exact numerator, denominator;
-};
-
 // The first convergent of the continued fraction [Knuth98, section 4.5.3] after which what remains is no more
 // than noise.
 std::optional<Fraction> simplest_near(Wide v) {
@@ -37,6 +31,8 @@ std::optional<Fraction> simplest_near(Wide v) {
         convergent = {-convergent.numerator, -convergent.denominator};
     return convergent;
 }
+
+namespace {
 
 // c - 2 b r - a r^2 = 0 and its partial derivatives, all times one positive number.
 struct Equation {
@@ -67,24 +63,26 @@ Equation cylinder_equation(const ExactCylinder& f, const RationalPoint& p) {
             rho.sign() == Sign::Negative || f.sine.sign() == Sign::Positive};
 }
 
+// n, W and their derivatives are those of radial_form.hpp times w^2, and all of the equation is times w^4.
 Equation radial_equation(const RadialForm& f, Chart chart, const RationalPoint& p) {
-    // n, its derivatives and those of W.
-    const bool is_back = chart.is_cylinder() && p.x > Exact(1.0);
-    const Exact zero, two(2.0), &y = p.y, x = is_back ? p.x - two : p.x, side = is_back ? -1.0 : 1.0,
-                                across = chart.is_sphere() ? y : zero, W = 1.0 + x * x + across * across,
-                                Wx = two * x, Wy = two * across;
-    const std::array<Exact, 3> n{side * Wx, Wy, side * (two - W)}, nx{side * two, zero, -(side * Wx)},
-        ny{zero, chart.is_sphere() ? two : zero, -Wy};
+    const Exact &w = p.w, &y = p.y, zero, two(2.0), ww = w * w, two_w = two * w, two_ww = two * ww;
+    const bool is_back = chart.is_cylinder() && p.x > w;
+    const Exact x = is_back ? p.x - two_w : p.x, side = is_back ? -1.0 : 1.0,
+                across = chart.is_sphere() ? y : zero, W = ww + x * x + across * across, Wx = two_w * x,
+                Wy = two_w * across;
+    const std::array<Exact, 3> n{side * Wx, Wy, side * (two_ww - W)}, nx{side * two_ww, zero, -(side * Wx)},
+        ny{zero, chart.is_sphere() ? two_ww : zero, -Wy};
     const auto dot = [](const std::array<Exact, 3>& u, const std::array<Exact, 3>& v) {
         return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     };
-    const Exact slope = y * f.slope, A = f.a0 * W + dot(f.a, n), Ax = f.a0 * Wx + dot(f.a, nx),
+    const Exact slope = w * y * f.slope, A = f.a0 * W + dot(f.a, n), Ax = f.a0 * Wx + dot(f.a, nx),
                 Ay = f.a0 * Wy + dot(f.a, ny);
     const Exact of_square(f.is_hollow ? -1.0 : 1.0), signed_A = of_square * A;
-    return {{-(signed_A * A), -(f.b0 * W + dot(f.b, n) + slope * A), -(f.c[0] + y * (f.c[1] + y * f.c[2]))},
-            {-(two * signed_A * Ax), -(f.b0 * Wx + dot(f.b, nx) + slope * Ax), Exact()},
-            {-(two * signed_A * Ay), -(f.b0 * Wy + dot(f.b, ny) + slope * Ay + f.slope * A),
-             -(f.c[1] + two * y * f.c[2])},
+    return {{-(signed_A * A), -(ww * (f.b0 * W + dot(f.b, n)) + slope * A),
+             -(ww * (ww * f.c[0] + y * (w * f.c[1] + y * f.c[2])))},
+            {-(two * signed_A * Ax), -(ww * (f.b0 * Wx + dot(f.b, nx)) + slope * Ax), Exact()},
+            {-(two * signed_A * Ay), -(ww * (f.b0 * Wy + dot(f.b, ny) + f.slope * A) + slope * Ay),
+             -(ww * w * (w * f.c[1] + two * y * f.c[2]))},
             f.has_root()};
 }
 

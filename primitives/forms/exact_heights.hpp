@@ -21,6 +21,14 @@ struct RationalPoint {
     Exact x, y, w = 1.0;
 };
 
+struct Fraction {
+    Exact numerator, denominator;
+};
+
+/// The number with a denominator of no more than some 2^100 that one of some size, known to 2^-200, is taken
+/// to stand for; nothing is proved about it. None if there is no such number.
+std::optional<Fraction> simplest_near(Wide v);
+
 /// The point with denominators of no more than some 2^100 that two coordinates, known to 2^-200 of `extent`,
 /// are taken to stand for; nothing is proved about it. None if there is no such point.
 std::optional<RationalPoint> rational_near(const Wide& x, const Wide& y, double extent);
@@ -30,14 +38,13 @@ std::array<Interval, 2> enclosure(const RationalPoint& p);
 
 bool is_on_line(const RationalPoint& p, double a, double b, double c);
 
-/// The equation above at a point, times a positive number. Pre: over curved bases w is 1.
+/// The equation above at a point, times a positive number.
 struct HeightEquation {
     Exact c, b, a;
 };
 HeightEquation height_equation(const FormFamily& family, FormId f, const RationalPoint& p);
 
-/// Sign of f - g. Here and below over curved bases w is 1, and the point lies outside the trace of every
-/// cylinder that is not hollow.
+/// Sign of f - g. Pre, here and below: the point lies outside the trace of every cylinder that is not hollow.
 Sign compare_exactly(const FormFamily& family, FormId f, FormId g, const RationalPoint& p);
 
 /// Do all of them have one height?

@@ -145,7 +145,7 @@ public:
     /// Sign of f - g at a point in doubles, exact: heights are numbers a + b sqrt(c).
     /// Pre: the point lies outside the trace of every cylinder that is not hollow.
     Sign compare(FormId f, FormId g, double x, double y, Decisions& decisions) const;
-    /// Compares by the exact rung alone. Pre: over curved bases w is 1.
+    /// Compares by the exact rung alone.
     Sign compare(FormId f, FormId g, const RationalPoint& p, Decisions& decisions) const;
 
 private:

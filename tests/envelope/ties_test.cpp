@@ -340,4 +340,17 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("ties: in places that are no doubles in the chart are exact") {
+    // A point on a plane, at a distance that is a fraction.
+    check_decided_around(scene_around(
+        Cylinder{Vec3::Zero(), {0, 0, 1}, 0.25}, 2,
+        {Plane{{-1.5, 1, 1.25}, {1, 0, 0}}, Sphere{{-1.5, 1, 1.25}, 0}, Sphere{{-0.5, -1.75, 0.5}, 0.25}}));
+    // Two lines and a side of the box are as near as the base in a point at the distance of a root, where
+    // gradients are on one line.
+    check_decided_around(
+        scene_around(Sphere{Vec3::Zero(), 0}, 2,
+                     {Sphere{{0, 2, -2}, 0}, Sphere{{-2, -1, 1}, 0}, Sphere{{1, -2, -2}, 0},
+                      Cylinder{{0, 2, 0}, {0, 1, -1}, 0}, Cylinder{{1, 2, -1}, {1, -1, 0}, 0}}));
+}
+
 }  // namespace vcell::ties_test

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "../../primitives/charts/sphere_chart.hpp"
+#include "../../primitives/forms/exact_heights.hpp"
 #include "../test_support.hpp"
 #include "radial_base_checks.hpp"
 
@@ -282,6 +283,40 @@ TEST_CASE("radial base: chart points and normals are each other's inverse") {
     }
     // Near the pole and far beyond any square of it.
     CHECK(sphere.chart.normal({1e200, -1e200}).norm() == doctest::Approx(1).epsilon(1e-15));
+}
+
+TEST_CASE("radial base: exact heights depend on a place alone, not on its denominator") {
+    Random r;
+    int compared = 0, zero = 0;
+    for (int round = 0; round < long_rounds(60); ++round) {
+        const Sphere ball{Vec3::Zero(), 0.3};
+        const Cylinder tube{Vec3::Zero(), {0, 0, 1}, 0.3};
+        const Object base = round % 2 == 0 ? Object(ball) : Object(tube);
+        std::vector<Object> objects;
+        for (int i = 0; i < 4; ++i) {
+            const Vec3 out = tube.axis.cross(r.direction()).normalized(),
+                       point = (1 + std::abs(r.unit())) * out;
+            const double radius = 0.5 * std::abs(r.unit());
+            if (i % 2 == 0)
+                objects.push_back(Sphere{point, radius});
+            else
+                objects.push_back(Cylinder{point, out.cross(r.direction()), radius});
+        }
+        const RadialBaseProblem problem = problem_of(scene_of(base, objects, 4));
+        const FormFamily& family = problem.family;
+        for (std::uint32_t f = 0; f < family.size(); ++f)
+            for (std::uint32_t g = 0; g < family.size(); ++g) {
+                const double x = 1 + 2 * r.unit(), y = r.unit(), w = r.pick({3, 5, 0.75, 1024});
+                const Exact over(w);
+                const Sign at = compare_exactly(family, FormId{f}, FormId{g}, {x, y});
+                CHECK(compare_exactly(family, FormId{f}, FormId{g},
+                                      {over * Exact(x), over * Exact(y), over}) == at);
+                ++compared;
+                zero += at == Sign::Zero;
+            }
+    }
+    CHECK(compared > 1000);
+    CHECK(zero < compared / 2);
 }
 
 }  // namespace vcell::radial_base_test
