@@ -224,6 +224,29 @@ SpanBound trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part
                      part);
 }
 
+// The same of a patch about the base's axis, of degree two in each parameter, whose trims are cubics.
+SpanBound trim_distance_of_part(const RadialPatch& patch, const Trimmed<3>& part) {
+    const auto trim_row = [&](int i) { return Bernstein<3>::from([&](int k) { return part.trim[k][i]; }); };
+    const Bernstein<3> U = trim_row(0), V = trim_row(1), D = trim_row(2);
+    const std::array<Bernstein<6>, 3> in_u{square(D), U * D, square(U)}, in_v{square(D), V * D, square(V)};
+    const double u = part.size_in_patch(0), v = part.size_in_patch(1), d = part.size_in_patch(2);
+    const std::array size_in_u{d * d, u * d, u * u}, size_in_v{d * d, v * d, v * v};
+    std::array<Bernstein<12>, 4> S;
+    std::array<double, 4> size{};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const Vector4d& c = patch.coefficient(i, j);
+            if (c.isZero(0)) continue;
+            const Bernstein<12> monomial = in_u[i] * in_v[j];
+            for (int k = 0; k < 4; ++k) {
+                S[k] = S[k] + c[k] * monomial;
+                size[k] += std::abs(c[k]) * size_in_u[i] * size_in_v[j];
+            }
+        }
+    return off_curve(S, size, {part.curve.row(0), part.curve.row(1), part.curve.row(2)}, part.curve.weight(),
+                     part);
+}
+
 // With T = mu v D^2 for a trim (U, V) / D, in the frame's own directions about its origin
 // (cylinder_patch.hpp).
 SpanBound trim_distance_of_part(const CylinderFrame& f, const Trimmed<3>& part) {
@@ -329,7 +352,8 @@ double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Ch
 }
 
 double trim_distance(const RadialPatch& patch, const ConicSpan& span, const ConicTrim& trim) {
-    return trim_distance(patch, Trimmed<2>(span, trim));
+    return trim.degree == 3 ? trim_distance(patch, Trimmed<3>(span, trim))
+                            : trim_distance(patch, Trimmed<2>(span, trim));
 }
 
 double trim_distance(const CylinderFrame& patch, const ConicSpan& span, const ConicTrim& trim) {

@@ -72,7 +72,8 @@ double conic_distance(std::span<const ConicSpan> spans, const std::array<Distanc
 double ray_gain(std::span<const ConicSpan> spans, const DistancePlane& plane, Chart chart, double off);
 
 /// |S(c) - C| for a span C of the curve and its trim c on a patch S of total degree two (over a sphere base:
-/// all but AboutObject). Infinite where that is not proved. Pre: the trim's degree is two.
+/// all but AboutObject), of degree two then, or on one AboutBase, of degree three. Infinite where that is not
+/// proved.
 double trim_distance(const RadialPatch& patch, const ConicSpan& span, const ConicTrim& trim);
 /// Likewise on a cylinder's patch over a plane base. Pre: the degree is three.
 double trim_distance(const CylinderFrame& patch, const ConicSpan& span, const ConicTrim& trim);

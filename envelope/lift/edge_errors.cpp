@@ -61,7 +61,8 @@ double EdgeErrors::trims_error(EdgeId e, double off,
         constexpr double grazing = 64;
         const double gain = ray_gain(along, (*planes)[side], of_.problem.chart, off);
         double trim = (1 + gain) * off;
-        if (gain > grazing && is_circular) trim = std::min(trim, trim_distance_of(e, side, along));
+        if (gain > grazing && (is_circular || (of_.problem.chart.is_cylinder() && !curves_.is_line(e))))
+            trim = std::min(trim, trim_distance_of(e, side, along));
         most = std::max(most, trim);
     }
     return most;
@@ -72,6 +73,7 @@ double EdgeErrors::trim_distance_of(EdgeId e, unsigned side, std::span<const Con
     double most = 0;
     for (const ConicSpan& span : along) {
         const RadialPatch& patch = patches_.patch_at(face, span.half_way());
+        if (of_.problem.chart.is_cylinder() && patch.kind() != RadialPatch::Kind::AboutBase) return infinity;
         most = std::max(most, trim_distance(patch, span, conic_trim(patch, span)));
     }
     return most;

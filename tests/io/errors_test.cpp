@@ -287,7 +287,7 @@ TEST_CASE("errors: hostile steep faces: areas have bounds") {
 }
 
 TEST_CASE("errors: hostile needles: edges that cut them are known, and patches end there") {
-    for (const char* name : {"needle_cut_by_tube", "needle_in_tube"}) {
+    for (const char* name : {"needle_cut_by_tube", "needle_in_tube", "slit_in_tube"}) {
         CAPTURE(name);
         const Cell cell = hostile(name);
         check_errors(cell);
