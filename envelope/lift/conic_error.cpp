@@ -224,7 +224,7 @@ SpanBound trim_distance_of_part(const RadialPatch& patch, const Trimmed<2>& part
                      part);
 }
 
-// The same of a patch about the base's axis, of degree two in each parameter, whose trims are cubics.
+// A patch about the base's axis is of degree two in each parameter, and its trims are cubics.
 SpanBound trim_distance_of_part(const RadialPatch& patch, const Trimmed<3>& part) {
     const auto trim_row = [&](int i) { return Bernstein<3>::from([&](int k) { return part.trim[k][i]; }); };
     const Bernstein<3> U = trim_row(0), V = trim_row(1), D = trim_row(2);

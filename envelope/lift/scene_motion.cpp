@@ -134,8 +134,9 @@ struct Row {
     double variation(double radius) const {
         return radius < nearest ? 1.5 * turn * radius + rounding : infinity;
     }
-    // So far from a part. Along a needle both of its unit vectors turn alike: to first order a hull knows of
-    // that, and the second derivative of a unit vector m / |m| is 2 / sqrt(3) over |m|^2 at most.
+    // The points may also be so far away from a part. Along a needle both of its unit vectors turn alike: to
+    // first order the part's hull tells that, and the second derivative of a unit vector m / |m| is 2 /
+    // sqrt(3) over |m|^2 at most.
     double variation(const Part& part, double away) const {
         const double radius = part.radius + away, plain = variation(radius);
         if (!(radius < nearest)) return plain;

@@ -40,7 +40,7 @@ bool GivenTie::follow_from(const std::array<FormId, 3>& three) const {
     });
 }
 
-// Is the point over the piece, next to that place? Half the tangent of an angle and lengths along the axis
+// Is the point over the piece, next to that place? The tangent of half an angle and lengths along the axis
 // change by no more than the way over the distance from the axis, and in the family's unit.
 bool GivenTie::is_at(const NoisyTie& tie, const SpacePoint& p) const {
     const FormFamily& family = heights_.family();

@@ -101,11 +101,11 @@ std::optional<SpacePoint> space_point_near(const std::array<Wide, 4>& X, double 
 
 /// Have two forms equal gradients in a point in which they tie? Exact.
 bool have_equal_gradients(const FormFamily& family, FormId f, FormId g, const SpacePoint& p);
-/// The same of equations, that of the base first.
+/// Equations may be given instead, that of the base first.
 bool have_equal_gradients(const std::array<space_quadrics::Quadric, 3>& equations, const SpacePoint& p);
 /// Are the gradients of three heights that tie on one line? Exact; of equations, that of the base first.
 bool have_gradients_in_line(const std::array<space_quadrics::Quadric, 4>& equations, const SpacePoint& p);
-/// The same of two or three forms.
+/// Two forms are always; pre: there are no more than three.
 bool have_gradients_in_line(const FormFamily& family, std::span<const FormId> forms, const SpacePoint& p);
 
 /// Do two forms that tie change alike along a line of the chart? Exact.
