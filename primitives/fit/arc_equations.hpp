@@ -89,6 +89,11 @@ struct SpanPolynomials {
     double size() const { return largest[0] + largest[1] + largest[2] + largest[3]; }
 };
 
+// A quadric without mixed terms in axes of its own, the rows, about a center, along a span, whose coordinates
+// are no larger than `sizes` there.
+Bernstein<10> along_span(const SpaceQuadric& quadric, const Eigen::Matrix3d& axes, const Vec3& center,
+                         const SpanPolynomials& span, Vector4d& sizes);
+
 // G(X) and its derivatives: of a round object (the base too), of something plane, or any quadric.
 class Equation {
 public:
@@ -169,27 +174,7 @@ public:
     // Tells two round objects apart that are all but the same: with G S = Q, S = d + kappa t + delta, what Q
     // of the right one is less than that of the left one hardly turns. Its numbers are differences of points,
     // axes and radii, and known as these are.
-    static Equation difference(const Equation& left, const Equation& right, const Vector4d& near) {
-        const Vec3 way = right.point_ - left.point_,
-                   axis = left.axis_.dot(right.axis_) < 0 ? Vec3(-left.axis_) : left.axis_,
-                   tilt = right.axis_ - axis, axes = axis + right.axis_;
-        const double grown = right.delta_ - left.delta_, along = axes.dot(way), aside = tilt.dot(way);
-        SpaceQuadric q;
-        q.M.topLeftCorner<3, 3>() = -0.5 * (tilt * axes.transpose() + axes * tilt.transpose());
-        q.l << -2 * way + 0.5 * (along * axes + aside * tilt), -2 * left.kappa_ * grown;
-        q.k = -grown * (left.delta_ + right.delta_) - 0.25 * along * aside;
-        q = q.times(left.sense_);
-        Equation e = quadric(q, near, 0.5 * (left.point_ + right.point_));
-        e.delta_ = std::abs(left.delta_) + std::abs(right.delta_);
-        e.reach_ = left.reach_ + right.reach_;
-        // About the base, and along it, nothing is rounded.
-        if (left.across(left.point_) == Vec3::Zero() && tilt == Vec3::Zero()) return e;
-        e.is_rounded_ = true;
-        // About the difference of the distances: over its small gradient what rounding leaves of it would
-        // look like a span that is far off.
-        e.scale_ = 0.5 / left.from_axis(near).norm();
-        return e;
-    }
+    static Equation difference(const Equation& left, const Equation& right, const Vector4d& near);
     // Are both balls, or tubes, so alike at X that their difference turns much less than either?
     static bool are_alike(const Equation& a, const Equation& b, const Vector4d& X) {
         constexpr double share = 0.125;  // only how fast proofs go depends on this
@@ -199,15 +184,7 @@ public:
         return turn(a, b, X) < share * (1 / da + 1 / db);
     }
 
-    // The needle in which a ball is as far as the base ball, or a tube as a base tube of its direction, if
-    // one of the two touches the other from within but for little and both are seen in one direction from X.
-    // With c the way between their centres or axes, its unit vector e, Y what is across the axes of the way
-    // from halfway between them, and h = (|c|^2 - delta^2) / delta^2,
-    //     |Y|^2 - (1 + h) (e.Y)^2 + h delta^2 / 4 = -2 t L / delta - L^2 / delta^2,
-    //     L = (|c|^2 - delta^2) / 2 - c.p - delta t,
-    // for points p at the distance t, and the site's G vanishes where L does: an arc that starts there never
-    // gets to L = -2 delta t. Gradients of distances would turn as far on a small part of the needle's width
-    // as they are apart.
+    // The needle (arc_equations.cpp) between the two, if there is one and X sees both in one direction.
     static std::optional<Equation> needle(const Equation& base, const Equation& site, const Vector4d& X);
     bool is_needle() const { return is_needle_; }
     // |c|^2 - delta^2 of a ball around a ball, where it is better known than its centre.
@@ -218,8 +195,7 @@ public:
     // shortest of spans only: their difference takes the site's place, or their needle.
     static Equation beside(const Equation& base, const Equation& site, const Vector4d& X) {
         if (are_alike(base, site, X)) return difference(base, site, X);
-        const auto thin = needle(base, site, X);
-        return thin ? *thin : site;
+        return needle(base, site, X).value_or(site);
     }
 
     double operator()(const Vector4d& X) const {
@@ -386,9 +362,12 @@ private:
                                          : (2 * slopes.sum() + bend_ * rounding * reach_) * reach_;
         return scale_ * (sizes.dot(slopes + quadric_->l.cwiseAbs()) + std::abs(quadric_->k) + moved);
     }
-    double needle_residual(const SpanPolynomials& span) const;
     double quadric_residual(const SpanPolynomials& span) const {
-        if (is_needle_) return needle_residual(span);
+        if (is_needle_) {
+            Vector4d sizes;
+            const Bernstein<10> Q = along_span(*quadric_, turn_, point_, span, sizes);
+            return scale_ * QuinticNodes::get().largest(Q) + rounding * terms(sizes);
+        }
         const Matrix4d& M = quadric_->M;
         Vector4d foot = Vector4d::Zero(), sizes;
         foot.head<3>() = span.foot - point_;

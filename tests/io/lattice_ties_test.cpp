@@ -10,6 +10,7 @@
 
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 
 using namespace vcell;
@@ -58,4 +59,10 @@ TEST_CASE("check of lattices: balls that tie around a tube along a diagonal are 
             for (const CellVertex& v : cell.vertices) tied += v.sites.size() > 3;
         }
     CHECK(tied > 10);
+}
+
+TEST_CASE("check of ties: around a ball with a twin vertices of other twins are told") {
+    const Cell cell = voronoi_cell(read_scene(test_data("hostile/twin_of_ball_among_twins.json")));
+    CHECK(cell.report.decisions.assumed == 0);
+    CHECK(certify(cell).holds());
 }
