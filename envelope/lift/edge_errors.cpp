@@ -1,6 +1,7 @@
 #include "edge_errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -61,8 +62,7 @@ double EdgeErrors::trims_error(EdgeId e, double off,
         constexpr double grazing = 64;
         const double gain = ray_gain(along, (*planes)[side], of_.problem.chart, off);
         double trim = (1 + gain) * off;
-        if (gain > grazing && (is_circular || (of_.problem.chart.is_cylinder() && !curves_.is_line(e))))
-            trim = std::min(trim, trim_distance_of(e, side, along));
+        if (gain > grazing && !curves_.is_line(e)) trim = std::min(trim, trim_distance_of(e, side, along));
         most = std::max(most, trim);
     }
     return most;
@@ -73,7 +73,9 @@ double EdgeErrors::trim_distance_of(EdgeId e, unsigned side, std::span<const Con
     double most = 0;
     for (const ConicSpan& span : along) {
         const RadialPatch& patch = patches_.patch_at(face, span.half_way());
-        if (of_.problem.chart.is_cylinder() && patch.kind() != RadialPatch::Kind::AboutBase) return infinity;
+        using Kind = RadialPatch::Kind;
+        constexpr std::array told{Kind::Planar, Kind::Stereographic, Kind::Confocal, Kind::AboutBase};
+        if (std::ranges::find(told, patch.kind()) == told.end()) return infinity;
         most = std::max(most, trim_distance(patch, span, conic_trim(patch, span)));
     }
     return most;

@@ -183,8 +183,7 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     const FormId form = diagram_.form_beside(e, side);
     const Object& object = problem_.objects[form];
     SpaceSite site{object, is_wall(problem_, form), {}};
-    if (problem_.chart.is_sphere() && std::holds_alternative<Sphere>(object))
-        site.power = ball_power(problem_, form);
+    site.power = power_of_ball(problem_, form);
     if (!has_patches_ || !diagram_.face_forms[face].valid()) return site;
     if (!is_cut(face)) {
         site.parts.push_back({.patch = patches_[face].coordinates(), .surface = &patches_[face]});

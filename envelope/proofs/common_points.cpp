@@ -57,12 +57,10 @@ std::optional<RationalPoint> CommonPoints::exact_tie(std::span<const FormId> for
 std::optional<SpacePoint> CommonPoints::exact_tie_in_space(std::span<const FormId> forms,
                                                            const std::array<Wide, 2>& at) const {
     const FormFamily& family = heights_.family();
-    const Chart chart = family.compared_over();
-    if (chart.is_plane() || family.tips.any()) return std::nullopt;
+    if (family.tips.any()) return std::nullopt;
     const auto& [x, y] = at;
-    const Wide t = Wide(-1.0) / heights_.value(forms[0], x, y);
-    const auto n = chart.normal(x, y, chart.is_back(x.approximation()));
-    auto p = space_point_near({t * n[0], chart.is_cylinder() ? y : t * n[1], t * n[2], t}, extent_);
+    const auto X = space_quadrics::point_over(family, x, y, heights_.value(forms[0], x, y));
+    auto p = X ? space_point_near(*X, extent_) : std::nullopt;
     return p && is_tie_at(family, forms, *p) ? std::move(p) : std::nullopt;
 }
 

@@ -51,6 +51,12 @@ double ball_power(const RadialBaseProblem& problem, FormId form) {
     return 4 * f.w * length / std::hypot(f.a, f.b, f.k - f.e);
 }
 
+std::optional<double> power_of_ball(const RadialBaseProblem& problem, FormId form) {
+    if (!problem.chart.is_sphere() || !std::holds_alternative<Sphere>(problem.objects[form]))
+        return std::nullopt;
+    return ball_power(problem, form);
+}
+
 bool is_flat(const RadialBaseProblem& problem, FormId form) {
     if (is_wall(problem, form)) return true;
     const BaseChart& chart = problem.chart;

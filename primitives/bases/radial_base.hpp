@@ -112,6 +112,8 @@ RadialBaseProblem radial_base_problem(const Scene& scene, double unit = 1);
 /// roundings: of the scene's coordinates, as the form has them. (Near contact the canonical centre's rounding
 /// would change it.)
 double ball_power(const RadialBaseProblem& problem, FormId form);
+/// ball_power() of a ball around a ball, none of others.
+std::optional<double> power_of_ball(const RadialBaseProblem& problem, FormId form);
 
 /// Is it a side of the box, or one of the planes between a cylinder base and a tube of its radius whose axis
 /// crosses its own? A Plane with outward normal then, which bounds the cell.

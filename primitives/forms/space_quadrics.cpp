@@ -115,6 +115,15 @@ std::array<Interval, unknowns> places(const FormFamily& family, const Interval& 
     return family.given->place(p, t);
 }
 
+std::optional<std::array<Wide, 4>> point_over(const FormFamily& family, const Wide& x, const Wide& y,
+                                              const Wide& height) {
+    const Chart chart = family.compared_over();
+    if (chart.is_plane()) return std::nullopt;
+    const Wide t = Wide(-1.0) / height;
+    const std::array<Wide, 3> n = chart.normal(x, y, chart.is_back(x.approximation()));
+    return std::array<Wide, 4>{t * n[0], chart.is_cylinder() ? y : t * n[1], t * n[2], t};
+}
+
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c) {
     const Chart chart = family.compared_over();
     const Exact zero;

@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "../../core/numbers/wide.hpp"
 #include "form_family.hpp"
 
 namespace vcell::space_quadrics {
@@ -41,6 +42,9 @@ Quadric equation(const FormFamily& family, FormId f);
 /// beside that.
 std::array<Interval, unknowns> places(const FormFamily& family, const Interval& x, const Interval& y,
                                       const Interval& height);
+/// (p, t) over a chart point with many digits, where a height is met; none over a plane, where it lies there.
+std::optional<std::array<Wide, 4>> point_over(const FormFamily& family, const Wide& x, const Wide& y,
+                                              const Wide& height);
 /// The line a x + b y + c = 0 of the chart. None of those that run along the axis of a cylinder or obliquely
 /// to it.
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c);
