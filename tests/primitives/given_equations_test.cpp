@@ -30,15 +30,7 @@ TEST_CASE("given equations: they hold where forms around a turned tube have thei
         const Vec3 axis(r.pick({1, 3}), r.pick({1, 3}), -1);  // no length of these is rational
         const Cylinder base{r.vector(), axis, 0.25};
         std::vector<Object> objects;
-        for (int i = 0; i < 6; ++i) {
-            const Vec3 out = axis.cross(r.direction()).normalized(),
-                       point = base.point + (0.8 + std::abs(r.unit())) * out + r.unit() * axis.normalized();
-            const double radius = 0.3 * std::abs(r.unit());
-            if (i % 2 == 0)
-                objects.push_back(Sphere{point, radius});
-            else
-                objects.push_back(Cylinder{point, out.cross(r.direction()), radius});
-        }
+        for (int i = 0; i < 6; ++i) objects.push_back(random_round_beside(r, base, i));
         const RadialBaseProblem problem = problem_of(scene_of(base, objects, 4));
         const FormFamily& family = problem.family;
         REQUIRE(family.given);

@@ -148,4 +148,13 @@ inline Object random_object(Random& r, const Vec3& center, double reach, int kin
     return Cylinder{center + far * d, 7 * d.cross(r.direction()), 0.5 * reach * std::abs(r.unit())};
 }
 
+/// A ball, or a tube for odd kinds, whose centre or axis passes another tube's axis by 0.8 to 1.8.
+inline Object random_round_beside(Random& r, const Cylinder& tube, int kind) {
+    const Vec3 out = tube.axis.cross(r.direction()).normalized(),
+               point = tube.point + (0.8 + std::abs(r.unit())) * out + r.unit() * tube.axis.normalized();
+    const double radius = 0.3 * std::abs(r.unit());
+    if (kind % 2 == 0) return Sphere{point, radius};
+    return Cylinder{point, out.cross(r.direction()), radius};
+}
+
 }  // namespace vcell::radial_base

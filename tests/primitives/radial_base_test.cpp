@@ -293,15 +293,7 @@ TEST_CASE("radial base: exact heights depend on a place alone, not on its denomi
         const Cylinder tube{Vec3::Zero(), {0, 0, 1}, 0.3};
         const Object base = round % 2 == 0 ? Object(ball) : Object(tube);
         std::vector<Object> objects;
-        for (int i = 0; i < 4; ++i) {
-            const Vec3 out = tube.axis.cross(r.direction()).normalized(),
-                       point = (1 + std::abs(r.unit())) * out;
-            const double radius = 0.5 * std::abs(r.unit());
-            if (i % 2 == 0)
-                objects.push_back(Sphere{point, radius});
-            else
-                objects.push_back(Cylinder{point, out.cross(r.direction()), radius});
-        }
+        for (int i = 0; i < 4; ++i) objects.push_back(random_round_beside(r, tube, i));
         const RadialBaseProblem problem = problem_of(scene_of(base, objects, 4));
         const FormFamily& family = problem.family;
         for (std::uint32_t f = 0; f < family.size(); ++f)
