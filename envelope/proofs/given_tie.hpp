@@ -22,24 +22,25 @@ struct NoisyTie {
 
 class GivenTie : PieceArgument {
 public:
-    GivenTie(Competition& all, PieceWork& work) : PieceArgument(all, work) {}
+    GivenTie(Competition& all, PieceWork& work, const NoisyTie& tie);
 
-    // Do they tie there exactly, as they were given, and touch as it has them? three: some of them that are
-    // equal in one point of the piece, if there are such.
-    bool is_exact(const NoisyTie& tie, const std::optional<std::array<FormId, 3>>& three = {});
+    // Do the forms tie there exactly, as they were given, and touch as the tie has them? three: some of them
+    // that are equal in one point of the piece, if there are such.
+    bool is_exact(const std::optional<std::array<FormId, 3>>& three = {}) const;
 
 private:
     using Quadric = space_quadrics::Quadric;
     const Quadric& equation(FormId f) const;
     bool follow_from(const std::array<FormId, 3>& three) const;
-    bool is_at(const NoisyTie& tie, const SpacePoint& p) const;
-    bool touch_as(const NoisyTie& tie, const SpacePoint& p) const;
+    bool is_at(const SpacePoint& p) const;
+    bool touch_at(const SpacePoint& p) const;
 
     struct Given {
         FormId form;
         Quadric equation;
     };
-    std::vector<Given> given_;
+    const NoisyTie tie_;
+    std::vector<Given> given_;  // fewer than the forms where one has no equation, or nothing was turned
 };
 
 }  // namespace vcell

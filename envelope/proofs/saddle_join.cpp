@@ -143,7 +143,7 @@ bool SaddleJoin::join_at_pinch() {
     }
     const std::uint32_t v = add_vertex(node);
     for (const RimChange& from : c) lead_to(v, from);
-    if (!exact && !GivenTie(all_, work_).is_exact({node.point, node.error, node.ties, {}, {forms}}))
+    if (!exact && !GivenTie(all_, work_, {node.point, node.error, node.ties, {}, {forms}}).is_exact())
         all_.assume(node.point, node.error, node.ties);
     return true;
 }

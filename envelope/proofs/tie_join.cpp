@@ -75,7 +75,7 @@ bool TieJoin::is_tie_of_given(const Apex& apex, const std::optional<std::array<F
             if (apex.differences[i][j].curvature) tie.touching.push_back({tie.forms[i], tie.forms[j]});
     for (const TiedBetween& b : apex.between)
         tie.in_line.push_back({tie.forms[b.middle], tie.forms[b.outer[0]], tie.forms[b.outer[1]]});
-    return GivenTie(all_, work_).is_exact(tie, three);
+    return GivenTie(all_, work_, tie).is_exact(three);
 }
 
 // Boxes this wide, relative to their coordinates, still hold a thousand doubles.

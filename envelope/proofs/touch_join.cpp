@@ -93,8 +93,9 @@ bool TouchJoin::join() {
                 t.vertex.point = {x.mid(), y.mid()};
                 t.vertex.error = reach(x, y);
             } else {
-                t.decided = GivenTie(all_, work_)
-                                .is_exact({t.vertex.point, t.vertex.error, t.vertex.ties, {}, {forms}});
+                t.decided =
+                    GivenTie(all_, work_, {t.vertex.point, t.vertex.error, t.vertex.ties, {}, {forms}})
+                        .is_exact();
             }
             touches.push_back(std::move(t));
             return true;

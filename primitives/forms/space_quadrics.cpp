@@ -101,27 +101,42 @@ Quadric equation(const FormFamily& family, FormId f) {
                             : radial_equation(family.radial_form(f), chart);
 }
 
+namespace {
+
+template <class T>
+struct PointAt {
+    std::array<T, 3> p;
+    T t;
+};
+
+// A sphere's or a cylinder's ray over a chart point meets (p, t) where heights are -1 / t.
+template <class T>
+PointAt<T> point_at(const Chart& chart, const T& x, const T& y, const T& height, bool is_back) {
+    const T t = T(-1.0) / height;
+    std::array<T, 3> p = chart.normal(x, y, is_back);
+    for (T& part : p) part = t * part;
+    if (chart.is_cylinder()) p[1] = y;
+    return {p, t};
+}
+
+}  // namespace
+
 std::array<Interval, unknowns> places(const FormFamily& family, const Interval& x, const Interval& y,
                                       const Interval& height) {
     const Chart chart = family.compared_over();
     const Interval one(1.0);
     if (chart.is_plane()) return {x, y, Interval(0.0), height, one};
-    const Interval t = -one / height;
-    std::array<Interval, 3> p = chart.normal(x, y, chart.is_back(x.upper()));
-    for (Interval& part : p) part = t * part;
-    if (chart.is_cylinder()) p[1] = y;
+    const auto [p, t] = point_at(chart, x, y, height, chart.is_back(x.upper()));
     if (!family.given) return {p[0], p[1], p[2], t, one};
-    if (chart.is_cylinder()) p[1] = family.axial_unit * y;
-    return family.given->place(p, t);
+    return family.given->place({p[0], chart.is_cylinder() ? family.axial_unit * y : p[1], p[2]}, t);
 }
 
 std::optional<std::array<Wide, 4>> point_over(const FormFamily& family, const Wide& x, const Wide& y,
                                               const Wide& height) {
     const Chart chart = family.compared_over();
     if (chart.is_plane()) return std::nullopt;
-    const Wide t = Wide(-1.0) / height;
-    const std::array<Wide, 3> n = chart.normal(x, y, chart.is_back(x.approximation()));
-    return std::array<Wide, 4>{t * n[0], chart.is_cylinder() ? y : t * n[1], t * n[2], t};
+    const auto [p, t] = point_at(chart, x, y, height, chart.is_back(x.approximation()));
+    return std::array<Wide, 4>{p[0], p[1], p[2], t};
 }
 
 std::optional<Linear> line_equation(const FormFamily& family, double a, double b, double c) {

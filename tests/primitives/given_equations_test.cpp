@@ -14,7 +14,7 @@
 namespace vcell::given_equations_test {
 using namespace vcell::radial_base;
 
-// Of a quadric in X.
+// The result encloses the quadric's values all over X.
 Interval value(const space_quadrics::Quadric& q, const std::array<Interval, 5>& X) {
     Interval sum(0.0);
     for (std::size_t i = 0; i < X.size(); ++i)
