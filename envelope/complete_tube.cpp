@@ -171,8 +171,7 @@ private:
             for (const Assumption& a : d->assumptions)
                 report.warnings.push_back(message(a, "taken to meet in one point over", problem));
         }
-        result_.moved = std::max(result_.moved, problem.moved);
-        result_.moved_apart = std::max(result_.moved_apart, problem.moved_apart);
+        result_.moves = most(result_.moves, problem.moves);
         result_.unit_of_parameters = problem.chart.unit_of_coordinates(unit_);
         for (const std::string& warning : problem.warnings)
             if (std::ranges::find(result_.warnings, warning) == result_.warnings.end())

@@ -30,8 +30,8 @@ namespace vcell {
 struct CompleteTube {
     LiftedCell lifted;  ///< in the decided scene's unit, with its measures if they were asked for
     EnvelopeWork work;
-    double moved = 0, moved_apart = 0;  ///< as in BaseProblem
-    double unit_of_parameters = 1;      ///< of patches, in the scene's unit
+    SceneMoves moves;
+    double unit_of_parameters = 1;  ///< of patches, in the scene's unit
     std::vector<std::string> warnings;
 };
 

@@ -155,7 +155,8 @@ struct Steps {
 
 // How far things have moved, in the decided scene's unit, and what parameters are multiplied by.
 struct MotionBack {
-    double moved, moved_apart, of_parameters;
+    SceneMoves moves;
+    double of_parameters;
 };
 
 // The cell in the user's unit, with what moving the scene has done to it.
@@ -163,10 +164,11 @@ Cell moved_back(LiftedCell lifted, DecidedScene decided, const Scene& scene, con
                 const CellOptions& options) {
     Cell& cell = lifted.cell;
     drop_isolated_vertices(cell);
-    cell.report.moved = std::max(motion.moved, decided.moved);
+    const SceneMoves moves = most(motion.moves, {decided.moved, decided.moved, 0});
+    cell.report.moved = moves.all + moves.ties;
     const std::optional<Site> cap = scene.probe ? std::optional(decided.cap()) : std::nullopt;
     cell.scene = std::move(decided.scene);
-    add_scene_motion(lifted, cell.report.moved, std::max(motion.moved_apart, decided.moved));
+    add_scene_motion(lifted, moves);
     if (cap) name_cap(cell, *cap, *cell.scene.probe);
     scale(cell, decided.unit, motion.of_parameters, thread_count(options.threads));
     cell.scene = scene;
@@ -188,7 +190,7 @@ std::optional<Cell> complete_tube_cell(const Scene& scene, const CellOptions& op
     std::optional<CompleteTube> tube = lift_complete_tube(decided, options.measure, options.complete);
     if (!tube) return std::nullopt;
     Cell cell = moved_back(std::move(tube->lifted), std::move(decided), scene,
-                           {tube->moved, tube->moved_apart, tube->unit_of_parameters}, options);
+                           {tube->moves, tube->unit_of_parameters}, options);
     cell.is_complete = true;
     set(cell.report, tube->work);
     cell.report.seconds_envelope = watch.lap();
@@ -219,8 +221,7 @@ Cell cell_over(const Scene& scene, const CellOptions& options, const Steps<Probl
     report("patches", 0);
     LiftedCell lifted = steps.lift(problem, diagrams, decided.scene.fit_tolerance(), options);
     lifted.cell.is_complete = options.complete && may_be_completed(decided.scene);
-    const MotionBack motion{problem.moved, problem.moved_apart,
-                            problem.chart.unit_of_coordinates(decided.unit)};
+    const MotionBack motion{problem.moves, problem.chart.unit_of_coordinates(decided.unit)};
     Cell cell = moved_back(std::move(lifted), std::move(decided), scene, motion, options);
     report("patches", 1);
     set(cell.report, diagrams.work());

@@ -123,7 +123,7 @@ struct Row {
     double nearest = infinity;  // of the distances of its feet's centres and axes
     double turn = 0;            // of its unit vectors in all, per length
     Direction object{};         // of an object that has one
-    double shift = 2;           // of its equation, in motions
+    double shift = 0;           // of its equation, a length
     bool has_object = false;
     double rounding = 0;    // of its value
     std::size_t place = 0;  // of the object
@@ -233,14 +233,14 @@ std::optional<Row> row_of_crossing(const Object& first, const Object& second, co
 
 class Motion {
 public:
-    Motion(LiftedCell& lifted, double moved, double moved_apart)
+    Motion(LiftedCell& lifted, const SceneMoves& moves)
         : cell_(lifted.cell),
           positions_(lifted.positions),
-          moved_(moved),
-          between_objects_(2 * moved_apart / moved),
+          moves_(moves),
           most_(cell_.scene.box.diagonal()),
-          room_(std::sqrt(moved * most_)),
-          equations_(cell_.vertices.size()) {
+          room_(std::sqrt((moves.all + moves.ties) * most_)),
+          equations_(cell_.vertices.size()),
+          ties_(cell_.vertices.size()) {
         base_unit_ = unit_direction(cell_.scene.base);
         units_.reserve(cell_.scene.objects.size());
         for (const Object& object : cell_.scene.objects) units_.push_back(unit_direction(object));
@@ -250,9 +250,9 @@ public:
     void run() {
         for (std::size_t i = 0; i < cell_.vertices.size(); ++i) {
             CellVertex& v = cell_.vertices[i];
-            const auto motion = of_vertex(v, equations_[i]);
+            const auto motion = of_vertex(v, equations_[i], ties_[i]);
             v.is_touching = !motion;
-            v.error = std::min(most_, v.error + motion.value_or(2 * moved_));
+            v.error = std::min(most_, v.error + motion.value_or(2 * moves_.all + ties_[i]));
         }
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             CellEdge& e = cell_.edges[i];
@@ -283,6 +283,9 @@ private:
                     if (trim.edge) has_face[*trim.edge][trim.reversed ? 1 : 0] = true;
             for (std::size_t i = 0; i < has_face.size(); ++i) is_rim_[i] = has_face[i][0] != has_face[i][1];
         }
+        constexpr std::size_t usual = 3;
+        for (std::size_t i = 0; i < cell_.vertices.size(); ++i)
+            if (cell_.vertices[i].sites.size() > usual) ties_[i] = moves_.ties;
         for (std::size_t i = 0; i < cell_.edges.size(); ++i) {
             const CellEdge& e = cell_.edges[i];
             for (const std::uint32_t v : e.vertices)
@@ -291,6 +294,8 @@ private:
                         equations_[v].push_back(term);
         }
     }
+
+    double shift_by_ties(const CellEdge& e) const { return e.extra_sites.empty() ? 0 : moves_.ties; }
 
     // A base ball has no direction that a motion would turn: other balls and tubes around it, and the box
     // around all of that, stay where they are.
@@ -304,7 +309,7 @@ private:
     // `base`: the base's direction at p.
     Row row(const Term& term, const Vec3& p, const Direction& base) const {
         Row row = row_of(term, p, base);
-        if (stays(term)) row.shift = 0;
+        if (!stays(term)) row.shift = 2 * moves_.all;
         return row;
     }
     Row row_of(const Term& term, const Vec3& p, const Direction& base) const {
@@ -330,9 +335,8 @@ private:
         return row;
     }
 
-    // The row of two objects' difference at p, in which the base takes no part. Where they are no tubes that
-    // turn with the base its equation has the shift given, at most.
-    Row difference(const Row& b, const Row& a, double shift, const Vec3& p) const {
+    // The row of two objects' difference at p, in which the base takes no part. ties: of what shifts both.
+    Row difference(const Row& b, const Row& a, double ties, const Vec3& p) const {
         if (!a.has_object || !b.has_object)
             return {b.value - a.value,
                     std::min(a.nearest, b.nearest),
@@ -347,7 +351,7 @@ private:
         const auto crossing = row_of_crossing(objects[a.place], objects[b.place], p);
         Row row = crossing ? *crossing : vcell::difference(b.object, a.object);
         row.shift = std::max(a.shift, b.shift);
-        if (!(a.object.turns || b.object.turns)) row.shift = std::min(shift, row.shift);
+        if (!(a.object.turns || b.object.turns)) row.shift = std::min(2 * moves_.apart + ties, row.shift);
         return row;
     }
 
@@ -358,11 +362,14 @@ private:
     }
 
     // The motion by the three equations that tell the point best; none where no bisectors cross.
-    std::optional<double> of_vertex(const CellVertex& v, const Terms& terms) const {
+    std::optional<double> of_vertex(const CellVertex& v, const Terms& terms, double ties) const {
         if (std::ranges::all_of(terms, [&](const Term& t) { return stays(t); })) return 0;
         const Direction base = this->base(v.point);
         SmallVector<Row, 4> rows;
-        for (const Term& t : terms) rows.push_back(row(t, v.point, base));
+        for (const Term& t : terms) {
+            rows.push_back(row(t, v.point, base));
+            rows.back().shift += ties;
+        }
         double best = infinity;
         for (std::size_t i = 0; i < rows.size(); ++i)
             for (std::size_t j = i + 1; j < rows.size(); ++j)
@@ -370,8 +377,8 @@ private:
                     const std::array<const Row*, 3> r{&rows[i], &rows[j], &rows[k]};
                     best = std::min(best, of_rows(r, v.error));
                     for (int m = 0; m < 3; ++m) {
-                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, between_objects_, v.point),
-                                  c = difference(*r[(m + 2) % 3], a, between_objects_, v.point);
+                        const Row &a = *r[m], b = difference(*r[(m + 1) % 3], a, ties, v.point),
+                                  c = difference(*r[(m + 2) % 3], a, ties, v.point);
                         best = std::min(best, of_rows({&a, &b, &c}, v.error));
                     }
                 }
@@ -387,7 +394,7 @@ private:
         std::array<double, 3> length;
         for (int i = 0; i < 3; ++i) length[i] = inverse.col(i).norm();
         double step = 0, turn = 0;
-        for (int i = 0; i < 3; ++i) step += rows[i]->shift * moved_ * length[i];
+        for (int i = 0; i < 3; ++i) step += rows[i]->shift * length[i];
         for (int i = 0; i < 3; ++i) turn += length[i] * rows[i]->variation(2 * error + 2 * step);
         return turn <= 0.25 ? 2 * step : infinity;
     }
@@ -416,6 +423,7 @@ private:
         const RationalCurve3& c = e.curve;
         const std::array terms{Term{e.sites[0]}, Term{e.sites[1], is_rim}};
         if (stays(terms[0]) && stays(terms[1])) return 0;
+        const double ties = shift_by_ties(e);
         double most = 0;
         int halvings = most_halvings + spare_halvings_;
         Piece piece;
@@ -425,7 +433,7 @@ private:
                 const Vector4d& p = c.points[i + k];
                 piece.points[k] << p.w() * p.head<3>(), p.w();
             }
-            most = std::max(most, of_piece(terms, position, piece, halvings));
+            most = std::max(most, of_piece(terms, ties, position, piece, halvings));
         }
         spare_halvings_ = std::min(spare_halvings_, halvings);
         return most;
@@ -433,7 +441,8 @@ private:
 
     // Next to a point where the rows depend on each other (objects that touch, axes that cross) the arc goes
     // on from the part before to its end: it is no farther away than that part's size and motion.
-    double of_piece(const std::array<Term, 2>& terms, double error, const Piece& piece, int& halvings) const {
+    double of_piece(const std::array<Term, 2>& terms, double ties, double error, const Piece& piece,
+                    int& halvings) const {
         const Vec3 middle = 0.5 * (piece.point(0) + piece.point(piece.degree));
         Part part;
         part.count = piece.degree + 1;
@@ -445,12 +454,14 @@ private:
         // Halves of what has numbers that are none have some, too, without end.
         if (!std::isfinite(radius)) return infinity;
         const Direction base = this->base(middle);
-        const Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
+        Row a = row(terms[0], middle, base), b = row(terms[1], middle, base);
+        a.shift += ties;
+        b.shift += ties;
         // The motion itself must stay within reach, too: more than the first guess, where objects are all but
         // alike.
         double change = across(a, b, part, error + room_);
         if (change <= room_) return change;
-        const Row apart = difference(b, a, between_objects_, middle);
+        const Row apart = difference(b, a, ties, middle);
         for (double reach = room_; reach < most_; reach = 2 * change) {
             change = std::min(across(a, b, part, error + reach), across(a, apart, part, error + reach));
             if (change <= reach) return change;
@@ -462,7 +473,7 @@ private:
         --halvings;
         double most = 0;
         for (const Piece& half : piece.halves()) {
-            most = std::max(most, of_piece(terms, error, half, halvings));
+            most = std::max(most, of_piece(terms, ties, error, half, halvings));
             if (most == infinity) break;
         }
         return most;
@@ -475,8 +486,7 @@ private:
                      least = product - (of_a * vb + of_b * va + va * vb);
         // The vectors across that change one of the equations alone have the other row's length over the
         // product.
-        return least > 0.125 * product ? (a.shift * (of_b + vb) + b.shift * (of_a + va)) * moved_ / least
-                                       : infinity;
+        return least > 0.125 * product ? (a.shift * (of_b + vb) + b.shift * (of_a + va)) / least : infinity;
     }
 
     static constexpr int most_halvings = 1000;  // of an edge
@@ -486,20 +496,20 @@ private:
 
     Cell& cell_;
     const IdVector<EdgeId, double>& positions_;
-    const double moved_;
-    const double between_objects_;  // the shift of their differences
+    const SceneMoves moves_;
     const double most_;
     const double room_;  // for the motion of a piece, as a first guess
     Vec3 base_unit_;
     std::vector<Vec3> units_;       // of the objects' directions
     std::vector<bool> is_rim_;      // of the edges
     std::vector<Terms> equations_;  // of the vertices
+    std::vector<double> ties_;      // what ties in the vertices add to the shift of equations
 };
 
 }  // namespace
 
-void add_scene_motion(LiftedCell& lifted, double moved, double moved_apart) {
-    if (moved > 0) Motion(lifted, moved, moved_apart).run();
+void add_scene_motion(LiftedCell& lifted, const SceneMoves& moves) {
+    if (moves.all + moves.ties > 0) Motion(lifted, moves).run();
 }
 
 }  // namespace vcell

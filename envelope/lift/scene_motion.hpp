@@ -19,8 +19,9 @@
 
 namespace vcell {
 
-/// Adds to the errors of vertices and edges what a motion by `moved` (a length) may do, where objects move by
-/// `moved_apart` against each other (but tubes around a tube); the diagonal of the box at most.
-void add_scene_motion(LiftedCell& lifted, double moved, double moved_apart);
+/// Adds to the errors of vertices and edges what these motions may do (tubes around a tube move by
+/// `moves.all`, against each other, too); the diagonal of the box at most. What gives way to a tie counts
+/// where the sites of an edge or a vertex name one.
+void add_scene_motion(LiftedCell& lifted, const SceneMoves& moves);
 
 }  // namespace vcell

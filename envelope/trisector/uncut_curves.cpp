@@ -88,7 +88,7 @@ Cell lifted_cell(const RadialBaseProblem& problem, const DecidedScene& decided, 
         lift_curves_between_objects(problem, diagram_of(problem, {}), *decided.scene.tolerance);
     lifted.cell.scene = solid.scene;
     const double moved = std::max(solid.moved, decided.moved);
-    add_scene_motion(lifted, std::max(problem.moved, moved), std::max(problem.moved_apart, moved));
+    add_scene_motion(lifted, most(problem.moves, {moved, moved, 0}));
     scale(lifted.cell, decided.unit, problem.chart.unit_of_coordinates(decided.unit));
     return std::move(lifted.cell);
 }

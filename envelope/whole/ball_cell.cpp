@@ -101,7 +101,7 @@ public:
         }
         problem_.emplace(scene, unit_);
         const RadialBaseProblem& problem = problem_->problem();
-        if (problem.moved != 0 || !problem.warnings.empty()) return std::nullopt;
+        if (problem.moves.all != 0 || !problem.warnings.empty()) return std::nullopt;
         DiscArcs arcs;
         if (!disc_arcs_on_sphere(
                 problem.family, [this](const auto& marks) { return more(marks); },

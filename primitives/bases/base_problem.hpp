@@ -69,6 +69,24 @@ private:
     std::vector<std::pair<FormId, Site>> joined_;
 };
 
+/// Bounds on how far things have moved that are decided about, lengths.
+struct SceneMoves {
+    /// Anything of the scene within the box: the base and the sides of the box with the motion, planes by the
+    /// rounding of |n|, which scales distances from them.
+    double all = 0;
+    /// Planes against each other, and balls and tubes: by the rounding of |n| alone, unless planes turn with
+    /// a plane base.
+    double apart = 0;
+    /// What gives way to two others where it ties with them: where it is the nearest, but for that, distances
+    /// from these differ by no more from those from the base.
+    double ties = 0;
+};
+
+/// Bounds that hold for both.
+inline SceneMoves most(const SceneMoves& a, const SceneMoves& b) {
+    return {std::max(a.all, b.all), std::max(a.apart, b.apart), std::max(a.ties, b.ties)};
+}
+
 /// What is asked of a scene over every base; all numbers in the scene's unit of length.
 struct BaseProblem {
     BaseFrame frame;
@@ -81,12 +99,7 @@ struct BaseProblem {
     /// the box side). Hidden objects have none: at best they tie with what hides them.
     FormSites sites;
     double unit = 1;  ///< of the scene's lengths, for messages
-    /// A bound on the distance that anything of the scene within the box has moved: the base and the sides of
-    /// the box with the motion, planes by the rounding of |n|, which scales distances from them.
-    double moved = 0;
-    /// A bound on how far planes have moved against each other, and balls and tubes: by the rounding of |n|
-    /// alone, unless planes turn with a plane base.
-    double moved_apart = 0;
+    SceneMoves moves;
     std::vector<std::string> warnings;  ///< merged duplicates; objects behind the base, or hidden
 };
 

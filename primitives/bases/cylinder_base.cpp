@@ -416,8 +416,7 @@ private:
         add_passing_ties(found.sites, problem);
         problem.frame = motion_;
         problem.unit = unit_;
-        problem.moved = moved() + rounded + gives_way;
-        problem.moved_apart = moved_apart() + gives_way;
+        problem.moves = {moved(), moved_apart(), rounded + gives_way};
         problem.stretch = stretch_;
         problem.region = {{0, 1, -stretch_[0], Site::end(0)},
                           {-1, 0, 3, {}},

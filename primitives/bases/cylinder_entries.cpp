@@ -56,14 +56,14 @@ std::vector<WallTie> wall_ties(const std::vector<Entry>& entries, double reach, 
     }
     if (!has_crossing && oblique_sides < 2) return {};
     std::vector<WallTie> ties = find_wall_ties(walls, reach, most);
-    for (WallTie& tie : ties) tie = {places[tie.middle], places[tie.first], places[tie.second], tie.move};
+    for (WallTie& tie : ties) tie = {places[tie.middle], places[tie.first], places[tie.second], tie.off};
     return ties;
 }
 
 double drop_middle(const std::vector<WallTie>& ties, std::vector<Entry>& entries) {
     double gives_way = 0;
     for (const WallTie& tie : ties) {
-        gives_way = std::max(gives_way, tie.move);
+        gives_way = std::max(gives_way, tie.off);
         if (entries[tie.first].is_kept && entries[tie.second].is_kept) entries[tie.middle].is_kept = false;
     }
     return gives_way;
@@ -80,8 +80,8 @@ double drop_mirrored(const Scene& scene, const Cylinder& base, double most, std:
     }
     for (const MirrorTie& tie : find_mirror_ties(base, objects, most)) {
         entries[tie.hidden].is_kept = false;
-        gives_way = std::max(gives_way, tie.move);
-        ties.push_back({tie.hidden, tie.mirrored, tie.mirror, tie.move});
+        gives_way = std::max(gives_way, tie.off);
+        ties.push_back({tie.hidden, tie.mirrored, tie.mirror, tie.off});
     }
     return gives_way;
 }

@@ -17,6 +17,9 @@ namespace vcell {
 namespace {
 
 constexpr double rounding = 0x1p-40;  // of coordinates, where doubles only find what exact numbers judge
+// Output accuracy: the part of the distance between two objects by which one may be moved. Next to twins the
+// curve on which an image ties is moved by as much of what the cell reaches.
+constexpr double narrow = 0x1p-32;
 
 Vec3 rounded(const ExactVector& v) { return {nearest(v.x), nearest(v.y), nearest(v.z)}; }
 
@@ -87,7 +90,7 @@ std::optional<Vec3> place_of_mirrored(const Object* object) {
 // Keeps the ties, exact ones first, by which nothing is hidden by what it hides: each of two twins may be all
 // but the image of a twin of the base in the mirror of the other.
 std::vector<MirrorTie> without_cycles(std::vector<MirrorTie> ties) {
-    std::ranges::stable_sort(ties, {}, &MirrorTie::move);
+    std::ranges::stable_sort(ties, {}, &MirrorTie::off);
     std::map<std::uint32_t, std::vector<std::uint32_t>> hidden_by;
     const auto depends = [&](std::uint32_t object, std::uint32_t on) {
         std::vector<std::uint32_t> open{object};
@@ -139,6 +142,13 @@ std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Ob
     if (mirrors.size() > most_mirrors) return {};
     std::ranges::sort(places, {}, &Place::key);
 
+    // How far a tube is from being the base's twin.
+    const auto off_base = [&](const Object& mirrored) {
+        const auto* tube = std::get_if<Cylinder>(&mirrored);
+        if (tube == nullptr) return size;
+        const Vec3 way = tube->point - base.point;
+        return way.cross(axis).norm() + size * tube->axis.stableNormalized().cross(axis).norm();
+    };
     std::vector<MirrorTie> ties;
     const double slack = most + rounding * size;
     for (const std::uint32_t t : mirrors) {
@@ -150,6 +160,7 @@ std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Ob
             const Object& mirrored = *objects[y.object];
             const auto* as_tube = std::get_if<Cylinder>(&mirrored);
             const Vec3 point = as_tube != nullptr ? as_tube->point : std::get<Sphere>(mirrored).center;
+            const double radius = as_tube != nullptr ? as_tube->radius : std::get<Sphere>(mirrored).radius;
             const double behind = 2 * w.dot(point - base.point) - w.squaredNorm();
             if (!(behind < 0)) continue;
             // Twice the way to the mirror, and of a tube's image the foot again.
@@ -159,15 +170,19 @@ std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Ob
                 if (std::abs(along.dot(w)) > rounding * w.norm()) continue;
                 image -= along.dot(image) * along;
             }
-            const double key = direction.dot(image);
+            const double key = direction.dot(image), behind_it = std::abs(behind) / w.norm();
+            const double least = std::min(most, narrow * std::min({w.norm(), behind_it, off_base(mirrored)}));
+            // With what both of X' and Y, and of T and the base, are apart: squares of distances from X' and
+            // Y differ by |X' - Y| / |w| of those from T and the base, which is |w| / 2 away next to M.
+            const double per_move = (1 + rounding) * std::max(1.0, (w.norm() + 2 * radius) / behind_it);
             for (auto x = std::ranges::lower_bound(places, key - slack, {}, &Place::key);
                  x != places.end() && x->key <= key + slack; ++x) {
                 if (x->object == t || x->object == y.object ||
                     (*place_of_mirrored(objects[x->object]) - image).norm() > slack)
                     continue;
                 if (!exact) exact.emplace(base, tube);
-                if (const auto move = exact->move(mirrored, *objects[x->object]); move && *move <= most)
-                    ties.push_back({x->object, y.object, t, *move});
+                if (const auto move = exact->move(mirrored, *objects[x->object]); move && *move <= least)
+                    ties.push_back({x->object, y.object, t, *move * per_move});
             }
         }
     }

@@ -21,13 +21,15 @@ namespace vcell {
 
 struct MirrorTie {
     std::uint32_t hidden, mirrored, mirror;  ///< X, Y and T by their places in the list
-    double move;  ///< 0: exact; otherwise how far X would have to be moved for it to be that
+    /// 0: exact; otherwise a bound on how much less from the base than from T and from Y it is where X is
+    /// nearer.
+    double off;
 };
 
-/// All ties of that kind, exact or with moves up to `most`, a length, but those by which something would be
-/// hidden by what it hides; `objects` that are null take no part.
-/// Where tubes along the base of its radius are more than some, they are none, as looking at all pairs would
-/// take longer than the cell.
+/// All ties of that kind, exact or of what would have to be moved by `most`, a length, at most, but those by
+/// which something would be hidden by what it hides; `objects` that are null take no part. Where tubes along
+/// the base of its radius are more than some, they are none, as looking at all pairs would take longer than
+/// the cell.
 std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Object* const> objects,
                                         double most);
 

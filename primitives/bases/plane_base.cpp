@@ -153,8 +153,8 @@ public:
         problem.frame = frame_->motion();
         problem.unit = unit_;
         const double by_lengths = moved_by_lengths(scene_);
-        problem.moved = std::max(frame_->moved(), by_lengths);
-        problem.moved_apart = planes_turn_ ? problem.moved : by_lengths;
+        problem.moves.all = std::max(frame_->moved(), by_lengths);
+        problem.moves.apart = planes_turn_ ? problem.moves.all : by_lengths;
         problem.region = sides_;
         if (is_cut_by_vessel_ && !has_floor_) {
             std::vector<CylinderTrace> solids;

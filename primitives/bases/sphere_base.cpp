@@ -491,7 +491,7 @@ private:
         found.add_twins(objects_);
         problem.frame.origin = frame_.center;
         problem.unit = unit_;
-        problem.moved = problem.moved_apart = moved_by_lengths(scene_);
+        problem.moves.all = problem.moves.apart = moved_by_lengths(scene_);
         problem.chart = {BaseShape::Sphere, frame_.radius, frame_.rotation.matrix / frame_.rotation.norm};
         problem.family.chart = problem.chart;
         problem.family.exact = [sources](FormId f) { return sources->exact(f); };

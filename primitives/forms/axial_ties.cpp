@@ -95,18 +95,24 @@ double move_between(const RadialForm& j, const RadialForm& a, const RadialForm& 
     return is_told ? move : std::numeric_limits<double>::infinity();
 }
 
-// Is it so up to narrow_tie of `value`?
+// Is it so up to narrow_tie of the nearest value over the generator at an angle, and the strip narrow in
+// which j may be nearer? Twins of one another tie up to that next to it, and farther away are told apart.
 bool is_nearly_between(const NearnessAtAngle& j, const NearnessAtAngle& a, const NearnessAtAngle& b,
-                       double value) {
+                       double angle) {
+    constexpr double narrow_strip = 0x1p-32;  // output accuracy, of angles
     const Vec3 to_a(a.x - j.x, a.z - j.z, a.w - j.w), to_b(b.x - j.x, b.z - j.z, b.w - j.w);
     // The distance from the segment between a and b, as coefficients.
-    return to_a.dot(to_b) < 0 && std::numbers::sqrt2 * to_a.cross(to_b).norm() <=
-                                     narrow_tie * std::abs(value) * (to_a - to_b).norm();
+    const double off = std::numbers::sqrt2 * to_a.cross(to_b).norm() / (to_a - to_b).norm();
+    const auto slope = [&](const Vec3& d) {
+        return std::abs(d.x() * std::cos(angle) - d.y() * std::sin(angle));
+    };
+    return to_a.dot(to_b) < 0 && off <= narrow_tie * std::abs(b.at(angle)) &&
+           off <= narrow_strip * std::min(slope(to_a), slope(to_b));
 }
 
-// Once around the axis, from one nearest form to the next: visit(j, a, b, F) for each form j that about a
-// generator is as near as the nearest ones before and behind it, a and b, over it F. With doubles they are
-// found, and nothing is decided.
+// Once around the axis, from one nearest form to the next: visit(j, a, b, angle) for each form j that about
+// the generator at an angle is as near as the nearest ones before and behind it, a and b. With doubles they
+// are found, and nothing is decided.
 template <class Visit>
 void visit_changes(std::span<const RadialForm> forms, Visit&& visit) {
     constexpr double whole = 2 * std::numbers::pi, near = 1e-9;
@@ -141,7 +147,7 @@ void visit_changes(std::span<const RadialForm> forms, Visit&& visit) {
         const std::vector<const NearnessAtAngle*> here = nearest_at(next);
         const NearnessAtAngle* following = here.front();
         for (const NearnessAtAngle* n : here)
-            if (n != current && n != following) visit(*n, *current, *following, following->at(next));
+            if (n != current && n != following) visit(*n, *current, *following, next);
         current = following;
         angle = next;
     }
@@ -201,11 +207,11 @@ std::vector<std::array<double, 2>> passing_ranges(const RadialForm& j, const Rad
 std::vector<AxialTie> find_axial_ties(std::span<const RadialForm> forms) {
     std::vector<AxialTie> ties;
     visit_changes(forms, [&](const NearnessAtAngle& n, const NearnessAtAngle& before,
-                             const NearnessAtAngle& after, double value) {
+                             const NearnessAtAngle& after, double angle) {
         const RadialForm &j = forms[n.form], &a = forms[before.form], &b = forms[after.form];
         AxialTie tie{n.form, before.form, after.form, 0};
         if (!is_between(j, a, b) && !touches_mean(j, a, b)) {
-            if (!is_nearly_between(n, before, after, value)) return;
+            if (!is_nearly_between(n, before, after, angle)) return;
             const Vec3 to_j(n.x - before.x, n.z - before.z, n.w - before.w),
                 to_b(after.x - before.x, after.z - before.z, after.w - before.w);
             tie.move = move_between(j, a, b, to_j.dot(to_b) / to_b.squaredNorm());

@@ -1,5 +1,6 @@
 #include "wall_ties.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,6 +31,24 @@ double moved(const Numbers& change, const Numbers& wall, double reach) {
            std::hypot(wall[1], 2 * wall[2], 2 * wall[3]);
 }
 
+double sine_between(const Numbers& f, const Numbers& g) {
+    const Vec3 a(f[1], 2 * f[2], 2 * f[3]), b(g[1], 2 * g[2], 2 * g[3]);
+    return a.cross(b).norm() / (a.norm() * b.norm());
+}
+
+// With unit normals m = a n_1 + b n_2, a the sine between m and n_2 over that between n_1 and n_2: behind m,
+// which gives way by `move`, and before both others nothing is farther from the first of these than move / a.
+// None if their lines are farther apart than places are to be known, as where two of them are twins.
+std::optional<double> off_both(double move, const Numbers& middle, const Numbers& first,
+                               const Numbers& second, double reach) {
+    constexpr double narrow = 0x1p-32;  // output accuracy, in parts of the reach
+    if (move == 0) return 0;
+    const double sine = sine_between(first, second),
+                 least = std::min(sine_between(middle, first), sine_between(middle, second)),
+                 off = move * std::max(1.0, sine / least);
+    return off <= narrow * reach * sine ? std::optional(off) : std::nullopt;
+}
+
 // None where three walls have no line in common, or all are needed beside it.
 std::optional<WallTie> tie_of(const std::vector<Coefficients>& walls, std::uint32_t first,
                               std::uint32_t second, std::uint32_t third, double reach, double most) {
@@ -51,21 +70,24 @@ std::optional<WallTie> tie_of(const std::vector<Coefficients>& walls, std::uint3
     Numbers rest;
     for (std::size_t j = 0; j < w.size(); ++j)
         rest[j] = nearest(divisor * w[j] - (a * s[j] + b * t[j])) / nearest(divisor);
-    const double move = moved(rest, enclosed(w), reach);
+    const Numbers z = enclosed(w);
+    const double move = moved(rest, z, reach);
     if (!(move <= most) || a.sign() == Sign::Zero || b.sign() == Sign::Zero) return std::nullopt;
     const bool has_first = a.sign() == divisor.sign(), has_second = b.sign() == divisor.sign();
-    if (has_first && has_second) return WallTie{third, first, second, move};
+    const auto tie = [&](std::uint32_t middle, const Numbers& m, std::uint32_t one, const Numbers& f,
+                         std::uint32_t other, const Numbers& g, double by) -> std::optional<WallTie> {
+        const auto off = by <= most ? off_both(by, m, f, g, reach) : std::nullopt;
+        return off ? std::optional(WallTie{middle, one, other, *off}) : std::nullopt;
+    };
+    if (has_first && has_second) return tie(third, z, first, x, second, y, move);
     // What one of them is less the other one: by as much as that has of the third.
-    const auto of = [&](std::uint32_t middle, const Exact& share,
-                        std::uint32_t other) -> std::optional<WallTie> {
+    const auto part_of = [&](const Exact& share, const Numbers& middle) {
         Numbers part = rest;
         for (double& r : part) r *= std::abs(nearest(divisor) / nearest(share));
-        const double by = moved(part, enclosed(walls[middle]), reach);
-        if (!(by <= most)) return std::nullopt;
-        return WallTie{middle, other, third, by};
+        return moved(part, middle, reach);
     };
-    if (has_first) return of(first, a, second);
-    if (has_second) return of(second, b, first);
+    if (has_first) return tie(first, x, second, y, third, z, part_of(a, x));
+    if (has_second) return tie(second, y, first, x, third, z, part_of(b, y));
     return std::nullopt;  // nothing is inwards from all three
 }
 

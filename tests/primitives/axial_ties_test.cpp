@@ -38,6 +38,24 @@ TEST_CASE("axial ties: a side half-way between two planes as far from the axis g
     CHECK(find_axial_ties(std::vector{form({1, 0, 1}), form({-1, 0, 1}), form({0, 2, 0})}).empty());
 }
 
+// Where b ties with a the cosine is 2^-20 times the sine, and F_j - F_b is (cos - 2^-20 sin + off) / 2^30: as
+// good as nothing, but over an angle `off`.
+TEST_CASE("axial ties: what is nearer by next to nothing is left out over a narrow strip only") {
+    const RadialForm a = form({0, 1 << 20, 0}), b = form({1, 0, 0});
+    RadialForm j = b;
+    j.b[0] = 1 - 0x1p-50;
+    j.b[2] = 0x1p-30;
+    j.b0 = 0x1p-30 * 0x1p-12;
+    CHECK(find_axial_ties(std::vector{a, b, j}).empty());
+    j.b0 = 0x1p-30 * 0x1p-36;
+    const auto ties = find_axial_ties(std::vector{a, b, j});
+    REQUIRE(!ties.empty());
+    for (const AxialTie& tie : ties) {
+        CHECK(tie.middle == 2);
+        CHECK(tie.move > 0);
+    }
+}
+
 TEST_CASE("axial ties: what is left out is nowhere nearest, and ties over the generator") {
     std::mt19937_64 rng(test_seed());
     std::uniform_int_distribution<int> whole(-3, 3);
@@ -145,7 +163,7 @@ TEST_CASE("wall ties: of three planes through a line that is left out which no p
             find_wall_ties(std::vector{form_of(first), form_of(second), form_of(third)}, 1, 0);
         CHECK(found.size() <= 1);
         for (const WallTie& tie : found) {
-            CHECK(tie.move == 0);
+            CHECK(tie.off == 0);
             CHECK(tie.middle + tie.first + tie.second == 3);
             for (int k = 0; k < 100; ++k) {
                 // Homogeneous points (1 : y : t u), of any sizes.
@@ -173,7 +191,14 @@ TEST_CASE("wall ties: of three planes through a line that is left out which no p
     const auto near = find_wall_ties(std::vector{x, z, beside}, 4, 0x1p-38);
     REQUIRE(near.size() == 1);
     CHECK(near[0].middle == 2);
-    CHECK(near[0].move == doctest::Approx(0x1p-39 / std::sqrt(2)));
+    CHECK(near[0].off == doctest::Approx(0x1p-39));
+    // Of twins of x a third is no nearer to the edge than that, but far away from it along x.
+    RadialForm twin = form_of({4, 0, 1, 0});
+    twin.b[2] = 0x1p-30;
+    twin.c[0] = 4.0 + 0x1p-28;
+    CHECK(find_wall_ties(std::vector{x, z, twin}, 4, 0x1p-38).size() == 1);
+    twin.c[0] = 4.0 + 0x1p-28 + 0x1p-39;
+    CHECK(find_wall_ties(std::vector{x, z, twin}, 4, 0x1p-38).empty());
 }
 
 }  // namespace vcell::axial_ties_test

@@ -308,11 +308,11 @@ TEST_CASE("frame: a tilted plane leaves alone what objects are to each other") {
                                real(e.W);
             CHECK(c(0.25, 0.5) == doctest::Approx(value.convert_to<double>()).epsilon(1e-14));
         }
-        CHECK((problem.moved == 0) == false);  // sides of the box
-        CHECK(problem.moved <= 0x1p-46);
+        CHECK((problem.moves.all == 0) == false);  // sides of the box
+        CHECK(problem.moves.all <= 0x1p-46);
     }
     // A normal of length 7 leaves the base where it is, and axis-parallel ones the box.
-    CHECK(plane_base_problem(square_scene()).moved == 0);
+    CHECK(plane_base_problem(square_scene()).moves.all == 0);
 }
 
 TEST_CASE("forms: double fields are within 4u of the exact ones") {
