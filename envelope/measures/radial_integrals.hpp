@@ -68,8 +68,8 @@
 /// elementary in y: C is linear, or (y - c_y)^2 plus a constant. Hollow spheres and tubes along the base have
 /// the radius -R: C and beta are less than 0.
 ///
-/// *Sides of the box over a cylinder*: dV = (normal.p - normal_y y) / 2 dS, and a form f of degree d in q has
-/// the integral of f normal.(q x dq) / (d + 2) along the boundary.
+/// *Sides of the box over a cylinder*, and planes half-way to a twin of its: dV = (normal.p - normal_y y) / 2
+/// dS, and a form f of degree d in q has the integral of f normal.(q x dq) / (d + 2) along the boundary.
 ///
 /// *Skew cylinders*, hollow ones and hollow cones: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The
 /// integrals over y are found by quadrature, in parts that keep clear of the singularities of t; where these
@@ -248,7 +248,8 @@ private:
     double slope_square(const Ray& ray, double beta) const;
 };
 
-/// Walls over a cylinder (is_wall()), which are taken as they are: rays that hardly meet them tell nothing.
+/// Walls over a cylinder (is_wall()), and planes next to its axis, which are taken as they are: rays that
+/// hardly meet them tell nothing.
 struct FlatFace {
     Vec3 normal;    ///< unit, outward
     Vec3 point;     ///< of the plane, near the face
