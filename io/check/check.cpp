@@ -56,7 +56,7 @@ Certificate certify(const Cell& cell, const CheckOptions& options) {
         certify_edges(subject, options, certificate, edges);
         certify_kinds(subject, options, certificate);
         certify_faces(subject, edges, options, certificate);
-        certify_entries(subject, options, certificate);
+        certify_entries(subject, edges, options, certificate);
     }
     certify_closing(subjects, edges, options, certificate);
     certify_moments(subjects.front(), options, certificate);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace {
 
 class Entries : public Room {
 public:
-    using Room::Room;
+    Entries(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+            Certificate& certificate)
+        : Room(subject, options, certificate), edge_bounds_(edges) {}
 
     void run() {
         bool is_proved = true;
@@ -32,6 +35,9 @@ private:
     };
 
     std::string where() const { return subject_.path("entries"); }
+
+    /// How far an edge's curve is from the true one, as far as that is proved, or stated.
+    double error(std::size_t edge) const { return std::min(edge_bounds_[edge].distance, full_error(edge)); }
 
     bool judge(std::uint32_t side) {
         side_ = Site::box_side(side);
@@ -145,7 +151,7 @@ private:
         constexpr int halvings = 32;
         for (const std::size_t e : edges_)
             for (const auto& piece : edge_pieces_[e])
-                if (meets(piece, full_error(e) + rounding(), meets, halvings)) return false;
+                if (meets(piece, error(e) + rounding(), meets, halvings)) return false;
         const std::optional<Vec2> middle = middle_in_front(part);
         if (!middle) return false;
         const Vec3 p = at(*middle);
@@ -238,7 +244,7 @@ private:
         for (const auto& loop : patch.loops)
             for (const Trim& trim : loop) {
                 if (!trim.curve->edge) return false;
-                off = std::max(off, full_error(*trim.curve->edge));
+                off = std::max(off, error(*trim.curve->edge));
                 length += cell_.edges[*trim.curve->edge].length;
             }
         return cell_.faces[patch.face].area <= 2 * off * length;
@@ -298,12 +304,14 @@ private:
     double bound_ = 0;                    // its coordinate along the third
     Vec2 whole_lo_, whole_hi_;
     std::vector<std::size_t> edges_;
+    std::span<const EdgeBound> edge_bounds_;
 };
 
 }  // namespace
 
-void certify_entries(const Subject& subject, const CheckOptions& options, Certificate& certificate) {
-    if (subject.cell.is_complete) Entries(subject, options, certificate).run();
+void certify_entries(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+                     Certificate& certificate) {
+    if (subject.cell.is_complete) Entries(subject, edges, options, certificate).run();
 }
 
 }  // namespace vcell::check

@@ -19,11 +19,15 @@
 /// between them. So none is there twice where a point of each lies in no other one.
 #pragma once
 
+#include <span>
+
+#include "edges.hpp"
 #include "room.hpp"
 
 namespace vcell::check {
 
 /// Of cells that are complete; has nothing to say about others.
-void certify_entries(const Subject& subject, const CheckOptions& options, Certificate& certificate);
+void certify_entries(const Subject& subject, std::span<const EdgeBound> edges, const CheckOptions& options,
+                     Certificate& certificate);
 
 }  // namespace vcell::check

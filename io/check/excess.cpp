@@ -13,6 +13,11 @@ Interval intersection(const Interval& a, const Interval& b) {
     return lo <= hi ? Interval(lo, hi) : a;
 }
 
+// A difference of Intervals is no number, even of equal ones.
+bool are_equal(const Interval& a, const Interval& b) {
+    return a.lower() == b.upper() && a.upper() == b.lower();
+}
+
 /// linear - twice, where the product of that and of linear + twice is known, too.
 template <class Product>
 Interval sharpened(const Interval& linear, const Interval& twice, const Product& product) {
@@ -125,11 +130,9 @@ Form ExcessAlong::squared_difference(const Surface& first, const Surface& second
 /// hollow one. Over a base plane r is polynomial.
 std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, const Condition& d) const {
     const Surface &first = space_.object(c.site.index), &second = space_.object(d.site.index);
-    // A difference of Intervals is no number, even of equal ones.
-    const bool are_equal =
-        first.radius.lower() == second.radius.upper() && first.radius.upper() == second.radius.lower();
-    const Interval grown = are_equal ? Interval(0.0) : first.radius - second.radius;
-    if (!are_equal && space_.base().kind != Kind::plane) return std::nullopt;
+    const bool is_grown = !are_equal(first.radius, second.radius);
+    const Interval grown = is_grown ? first.radius - second.radius : Interval(0.0);
+    if (is_grown && space_.base().kind != Kind::plane) return std::nullopt;
     std::optional<std::array<Vector<Interval>, 2>> axes;
     if (first.kind == Kind::cylinder) {
         axes = space_.near_axes(c, d);
@@ -141,7 +144,7 @@ std::optional<Interval> ExcessAlong::difference_of_round(const Condition& c, con
     if (!(sum.lower() > 0)) return std::nullopt;
     Interval rest(0.0);
     const double outwards = first.is_hollow ? -1 : 1;
-    if (!are_equal) {
+    if (is_grown) {
         const Form reach = Form::combination<2>({{{outwards, &base_}, {second.radius, &weight_}}});
         g = g - (2 * grown) * (reach * weight_) - square(grown) * square(weight_);
         rest = 2 * outwards * (grown * object_excess(second));
@@ -184,14 +187,26 @@ std::optional<Interval> ExcessAlong::difference_of_cones(const Condition& c, con
 /// (A - B) / w^2 over s + t, and the difference of the radii is taken away.
 std::optional<Interval> ExcessAlong::excess_of_twin(std::uint32_t object) const {
     const Surface &first = space_.object(object), &base = space_.base();
+    const auto squares = squares_of(object);
+    const Interval sum = (sqrt(squared_distance(first).range()) + sqrt(base_.range())) / w_;
+    if (!squares || !(sum.lower() > 0)) return std::nullopt;
+    return *squares / sum - (first.radius - base.radius);
+}
+
+std::optional<Interval> ExcessAlong::squares_of_twin(std::uint32_t object) const {
+    const Surface& twin = space_.object(object);
+    return space_.is_twin_of_base(object) && are_equal(twin.radius, space_.base().radius) ? squares_of(object)
+                                                                                          : std::nullopt;
+}
+
+std::optional<Interval> ExcessAlong::squares_of(std::uint32_t object) const {
+    const Surface& base = space_.base();
     std::optional<std::array<Vector<Interval>, 2>> axes;
     if (base.kind == Kind::cylinder) {
         axes = space_.axes_of_twin(object);
         if (!axes) return std::nullopt;
     }
-    const Interval sum = (sqrt(squared_distance(first).range()) + sqrt(base_.range())) / w_;
-    if (!(sum.lower() > 0)) return std::nullopt;
-    return squared_difference(first, base, axes).range() / square(w_) / sum - (first.radius - base.radius);
+    return squared_difference(space_.object(object), base, axes).range() / square(w_);
 }
 
 Interval ExcessAlong::in_vessel(const Surface& object) const {

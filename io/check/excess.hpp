@@ -21,6 +21,9 @@ public:
 
     /// Encloses the excess everywhere on the net.
     Interval excess(const Condition& condition) const;
+    /// Of a ball or tube next to a base like it, of its radius: the square of the distance from what it is
+    /// about less that from what the base is about, all over the net. It is 0 where the excess is.
+    std::optional<Interval> squares_of_twin(std::uint32_t object) const;
     /// The excess of c less that of d, of two objects of one kind: as small as they are apart.
     std::optional<Interval> excess_difference(const Condition& c, const Condition& d) const;
 
@@ -37,6 +40,7 @@ private:
     std::optional<Interval> difference_of_cones(const Condition& c, const Condition& d) const;
     std::optional<Interval> difference_of_round(const Condition& c, const Condition& d) const;
     std::optional<Interval> excess_of_twin(std::uint32_t object) const;
+    std::optional<Interval> squares_of(std::uint32_t twin) const;
     Interval above_plane(const Surface& object) const;
     Interval of_plane(const Surface& object) const;
     Interval of_round(const Surface& object) const;

@@ -74,6 +74,9 @@ private:
         std::optional<double> distance;
         bool is_bent = false;  // halves may tell the distance better
     };
+    struct Reach {
+        double distance;
+    };
     /// Halvings after which a tile is taken as it is.
     static constexpr int kBent = 4;
     Nearness nearness(const Tile& tile, bool is_whole) const {
@@ -95,9 +98,30 @@ private:
             if (is_of_spheres() && tile.depth < least_depth_of_forms) return {HUGE_VAL, std::nullopt};
         }
         const ExcessAlong along(space(), tile.net);
+        if (const auto distance = distance_from_twin(along, tile.net);
+            distance && 2 * *distance <= judged_.width)
+            return {2 * *distance, distance};
         double size = 0;
         for (const Condition& c : judged_.own) size = std::max(size, magnitude(along.excess(c)).upper());
         return {size, distance(tile.net, size)};
+    }
+    /// By the difference of squares, whose gradient is twice what an object and a base like it are apart,
+    /// even between their axes, where that of distances turns around. Excesses are no more than twice that.
+    std::optional<double> distance_from_twin(const ExcessAlong& along, const Net& net) const {
+        if (judged_.own.size() > 1 || !judged_.own[0].is_of_object()) return std::nullopt;
+        const std::uint32_t twin = judged_.own[0].site.index;
+        const auto squares = along.squares_of_twin(twin);
+        if (!squares) return std::nullopt;
+        const Interval size = magnitude(*squares);
+        const auto reach = within_margin(
+            [&](double margin) -> std::optional<Reach> {
+                const auto apart = space().apart_from_twin(twin, box_about(net.box(), margin));
+                const Interval slope = apart ? Interval(2.0) * sqrt(square(*apart)) : Interval(0.0);
+                if (!(slope.lower() > 0)) return std::nullopt;
+                return Reach{(size / slope).upper()};
+            },
+            0);
+        return reach ? std::optional(reach->distance) : std::nullopt;
     }
     /// Is the bisector one of a ball and a ball or a plane?
     bool is_of_spheres() const {
@@ -160,9 +184,6 @@ private:
     /// How far that is where the gradient's least length within a margin is known.
     template <class Slope>
     static std::optional<double> distance_where(const Slope& slope_within, double size) {
-        struct Reach {
-            double distance;
-        };
         const auto reach = within_margin(
             [&](double margin) -> std::optional<Reach> {
                 const std::optional<double> slope = slope_within(margin);

@@ -58,6 +58,13 @@ void set_wall(Equation& equation, const Frame& frame, const Cylinder& base, cons
     }
 }
 
+// The plane half-way to a tube like the base, along it: next to that rays hardly meet it.
+void set_half_way(Equation& equation, const Triad<MidRad>& way) {
+    equation.kind = Equation::Kind::side;
+    equation.c = normalized(way);
+    equation.offset = 0.5 * dot(equation.c, way);
+}
+
 }  // namespace
 
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
@@ -88,6 +95,12 @@ std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, cons
         const auto* base = std::get_if<Cylinder>(&scene.base);
         if (base && !points.empty() && cross_equally(*base, *tube)) {
             set_wall(equation, frame, *base, *tube, points);
+            return equation;
+        }
+        if (base && base->radius == tube->radius &&
+            cross(ExactVector(base->axis), ExactVector(tube->axis)).is_zero()) {
+            const auto [x, y, along] = frame.way(base->point, tube->point);
+            set_half_way(equation, {x, y, 0.0});
             return equation;
         }
         set_tube(equation, scene, frame, *tube);

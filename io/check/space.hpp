@@ -263,6 +263,12 @@ public:
     bool is_twin_of_base(std::uint32_t i) const {
         return !twins_of_base_.empty() && std::ranges::binary_search(twins_of_base_, i);
     }
+    /// What the ways to p from the centre or the axis of such an object and from the base's differ by: half
+    /// of the gradient of the difference of their squares. None where axes are not much alike.
+    std::optional<Vector<T>> apart_from_twin(std::uint32_t i, const Vector<T>& p) const {
+        const auto ways = ways_of_twin(i, p);
+        return ways ? std::optional(ways->apart) : std::nullopt;
+    }
     /// What the first of two planes' unit normals differs by from the second's, both towards the side that p
     /// is on, where they are much alike.
     std::optional<Vector<T>> near_normals(const Condition& c, const Condition& d, const Vector<T>& p) const {
