@@ -10,6 +10,7 @@
 #include "../../primitives/bases/axial_terms.hpp"
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
+#include "../lift/skew_axes.hpp"
 #include "radial_terms.hpp"
 
 namespace vcell {
@@ -591,7 +592,12 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     if (is_vessel(problem.objects[form]) && problem.family.radial_form(form).has_root())
         return SkewFace(problem, form, face);
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
-    if (is_skew) return SkewFace(problem, form, *cylinder, face);
+    if (is_skew) {
+        const SkewFace skew(problem, form, *cylinder, face);
+        const auto axes = SkewAxes::of(problem, form, face.near.y());
+        if (axes) return GraphFace(skew, *axes, face);
+        return skew;
+    }
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
     if (const auto half_way = plane_to_twin(problem, form, face)) return FlatFace(*half_way, face.near);
     return TurnedFace(problem, form, face);

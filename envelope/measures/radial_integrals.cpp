@@ -148,6 +148,11 @@ const SpanPoint<double>& place_for(const radial_integrals::FlatFace&, const Span
     return p;
 }
 
+radial_integrals::GraphFace::Place place_for(const radial_integrals::GraphFace&, const SpanPoint<double>& p,
+                                             const Ray& ray) {
+    return {p, ray};
+}
+
 // How far a point of the boundary is from the face's surface, along its ray if that tells anything.
 template <class Face>
 double gap_to(const Face& f, const SpanPoint<double>&, const Ray& ray, double t) {
@@ -155,6 +160,10 @@ double gap_to(const Face& f, const SpanPoint<double>&, const Ray& ray, double t)
 }
 double gap_to(const radial_integrals::FlatFace& f, const SpanPoint<double>& p, const Ray&, double) {
     return f.offset - f.normal.dot(Vec3(p.x, p.y, p.z));
+}
+
+double gap_to(const radial_integrals::GraphFace& f, const SpanPoint<double>& p, const Ray& ray, double t) {
+    return f.gap(p, ray, t);
 }
 
 // Where splines err most (space_spline.cpp): between the nodes of their interpolation.

@@ -71,9 +71,14 @@
 /// *Sides of the box over a cylinder*, and planes half-way to a twin of its: dV = (normal.p - normal_y y) / 2
 /// dS, and a form f of degree d in q has the integral of f normal.(q x dq) / (d + 2) along the boundary.
 ///
-/// *Skew cylinders*, hollow ones and hollow cones: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy. The
-/// integrals over y are found by quadrature, in parts that keep clear of the singularities of t; where these
-/// would be too many, in parts of which the worst are halved first, and what they leave out is estimated.
+/// *Skew cylinders of the base's radius* over a cylinder: a graph z = - steep X Y over the plane of both
+/// axes' directions, from half-way between these on (skew_axes.hpp). dV is a polynomial there, and dS =
+/// sqrt(1 + steep^2 (X^2 + Y^2)) dX dY: both have antiderivatives along rays in the plane.
+///
+/// *Other skew cylinders*, hollow ones and hollow cones: dS = sqrt(t^2 + t_theta^2 + t^2 t_y^2) d theta dy.
+/// The integrals over y are found by quadrature, in parts that keep clear of the singularities of t; where
+/// these would be too many, in parts of which the worst are halved first, and what they leave out is
+/// estimated.
 ///
 /// Points of curves that are not exact are taken along their rays to each bisector. So an error of the curve
 /// changes a face's volume, but the sum of those on its two sides only to second order.
@@ -93,6 +98,8 @@
 #include "span_integrals.hpp"
 
 namespace vcell {
+
+struct SkewAxes;
 
 namespace radial_integrals {
 
@@ -295,12 +302,47 @@ struct SkewFace {
     bool may_pass_tip(const span_integrals::PowerSpan& span) const;
 };
 
+/// Cylinders of the base's radius over a cylinder, skew to it (skew_axes.hpp). Nothing is left out along the
+/// way to an edge, and next to a twin, where rays hardly meet the graph, the edge's points are taken as they
+/// are.
+struct GraphFace {
+    /// Of a curve, and the ray that sees it.
+    struct Place {
+        const SpanPoint<double>& curve;
+        const Ray& ray;
+    };
+
+    SkewFace rays;
+    Vec3 x, y, z, foot;  ///< as in SkewAxes, z away from the base; foot: on the base's axis
+    double x0, y0, half_apart, steep;
+    Vec2 near;       ///< a place of the face along x and y, from the foot: angles count from there
+    bool is_narrow;  ///< hardly met by rays
+    bool is_far;     ///< from the crossing
+
+    GraphFace(const SkewFace& heights, const SkewAxes& axes, const Around& face);
+    double least_distance() const { return rays.least_distance(); }
+    Share share(const Place& place) const;
+    Share size(const Place& place) const;
+    /// How far a curve's point at the distance t is from the face.
+    double gap(const SpanPoint<double>& p, const Ray& ray, double t) const;
+
+private:
+    struct Point {
+        Vec2 at, way;
+        double condition;
+    };
+    Point point(const Place& place) const;
+    double element(const Vec2& from_crossing) const;
+    static double swept(double w);
+};
+
 }  // namespace radial_integrals
 
 /// A face, to be measured along its edges.
 using RadialFace =
     std::variant<radial_integrals::RoundFace, radial_integrals::TubeFace, radial_integrals::TurnedFace,
-                 radial_integrals::FlatFace, radial_integrals::SkewFace, radial_integrals::ConeFace>;
+                 radial_integrals::FlatFace, radial_integrals::SkewFace, radial_integrals::GraphFace,
+                 radial_integrals::ConeFace>;
 
 /// Over a cylinder integrals along the axis start at the height of `face.near`.
 RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
