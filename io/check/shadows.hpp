@@ -25,19 +25,14 @@
 #include <variant>
 #include <vector>
 
+#include "densities.hpp"
 #include "equation.hpp"
 #include "frame.hpp"
 #include "pierced_section.hpp"
+#include "saddle.hpp"
 #include "vessel_section.hpp"
 
 namespace vcell::check {
-
-/// Per ds along an edge that a face lies on the left of.
-template <class T>
-struct Densities {
-    T volume, area, shadow;
-    T steepness;  ///< area of the face for that of the base at its distance
-};
 
 /// Over a plane: heights h + g (q - a).
 struct LinearHeight {
@@ -115,7 +110,8 @@ struct Fan {
 std::optional<Equation> equation_of(const Scene& scene, const Frame& frame, const Site& site,
                                     std::span<const Triad<double>> points);
 
-using Shadow = std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Tapered, Fan>;
+using Shadow =
+    std::variant<LinearHeight, Paraboloid, Revolved, ConeHeight, RuledHeight, Flat, Saddle, Tapered, Fan>;
 
 /// Where a face's edges run, in the frame: points on them, and control points, whose hull holds them. Control
 /// points may lie where the face cannot.
