@@ -21,8 +21,22 @@ GraphFace::GraphFace(const SkewFace& heights, const SkewAxes& axes, const Around
       steep(axes.steep),
       near(x.dot(face.near - foot), y.dot(face.near - foot)) {
     constexpr double narrow = 0x1p-10, far = 4;  // matters of digits: all are right
-    is_narrow = axes.apart < narrow * face.extent;
-    is_far = std::hypot(x0 + near.x(), y0 + near.y()) > far * face.extent;
+    const Vec2 crossing = Vec2(x0, y0) + near;
+    // Along the normal z + steep (Y x + X y), of the way across the base's axis.
+    const double along = half_apart - steep * x.y() * y.y() * crossing.squaredNorm(),
+                 reach = std::hypot(face.near.x(), face.near.z());
+    is_narrow = std::abs(along) < narrow * reach * element(crossing);
+    is_far = crossing.norm() > far * face.extent;
+}
+
+std::optional<GraphFace> GraphFace::of(const RadialBaseProblem& problem, FormId form, const SkewFace& heights,
+                                       const Around& face) {
+    constexpr double most_steep = 0x1p10;  // a matter of digits, too
+    const auto axes = SkewAxes::of(problem, form, face.near.y());
+    if (!axes) return std::nullopt;
+    const GraphFace graph(heights, *axes, face);
+    const double reach = (Vec2(graph.x0, graph.y0) + graph.near).norm() + face.extent;
+    return graph.steep * reach < most_steep ? std::optional(graph) : std::nullopt;
 }
 
 // A ray's point is on the graph, and so is the way there: n.(t du + dt u + dy e_y) = 0 for the normal n.
@@ -84,9 +98,9 @@ double GraphFace::element(const Vec2& at) const { return std::sqrt(1 + steep * s
 Share GraphFace::size(const Place& place) const {
     const auto [at, way, condition] = point(place);
     const SpanPoint<double>& p = place.curve;
-    const double rounding = noise * (Vec3(p.x, p.y, p.z).norm() + std::abs(x0) + std::abs(y0)),
-                 reach = (at - near).norm() + rounding, from_crossing = (Vec2(x0, y0) + at).norm() + rounding,
-                 m = std::abs(x.y() * y0) + std::abs(y.y() * x0), farthest = at.norm() + near.norm();
+    const double rounding = noise * Vec3(p.x, p.y, p.z).norm(), reach = (at - near).norm() + rounding,
+                 from_crossing = (Vec2(x0, y0) + at).norm(), m = std::abs(x.y() * y0) + std::abs(y.y() * x0),
+                 farthest = at.norm() + near.norm();
     const double heights = half_apart + steep * (std::abs(x0 * y0) + m * farthest + farthest * farthest);
     const double speed = way.norm() * condition, highest = element(Vec2(from_crossing, 0));
     return {heights * reach * speed, highest * (is_far ? reach : from_crossing) * speed};

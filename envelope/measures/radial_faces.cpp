@@ -10,7 +10,6 @@
 #include "../../primitives/bases/axial_terms.hpp"
 #include "../lift/joined_spans.hpp"
 #include "../lift/radial_patch.hpp"
-#include "../lift/skew_axes.hpp"
 #include "radial_terms.hpp"
 
 namespace vcell {
@@ -594,8 +593,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
     const bool is_skew = cylinder != nullptr && (cylinder->axis.x() != 0 || cylinder->axis.z() != 0);
     if (is_skew) {
         const SkewFace skew(problem, form, *cylinder, face);
-        const auto axes = SkewAxes::of(problem, form, face.near.y());
-        if (axes) return GraphFace(skew, *axes, face);
+        if (const auto graph = GraphFace::of(problem, form, skew, face)) return *graph;
         return skew;
     }
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);

@@ -87,6 +87,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -319,7 +320,10 @@ struct GraphFace {
     bool is_narrow;  ///< hardly met by rays
     bool is_far;     ///< from the crossing
 
-    GraphFace(const SkewFace& heights, const SkewAxes& axes, const Around& face);
+    /// None where the radii differ, the axes are in one plane, or so nearly that the graph is steep and tells
+    /// less than rays do.
+    static std::optional<GraphFace> of(const RadialBaseProblem& problem, FormId form, const SkewFace& heights,
+                                       const Around& face);
     double least_distance() const { return rays.least_distance(); }
     Share share(const Place& place) const;
     Share size(const Place& place) const;
@@ -327,6 +331,7 @@ struct GraphFace {
     double gap(const SpanPoint<double>& p, const Ray& ray, double t) const;
 
 private:
+    GraphFace(const SkewFace& heights, const SkewAxes& axes, const Around& face);
     struct Point {
         Vec2 at, way;
         double condition;

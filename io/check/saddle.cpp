@@ -1,5 +1,8 @@
 #include "saddle.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "../../primitives/objects/exact_space.hpp"
 #include "space.hpp"
 
@@ -28,7 +31,7 @@ Direction direction_of(const Cylinder& base, const Cylinder& tube, const Frame& 
 }  // namespace
 
 std::optional<Saddle> Saddle::of(const Cylinder& base, const Cylinder& tube, const Frame& frame,
-                                 const Triad<double>& corner) {
+                                 std::span<const Triad<double>> corners) {
     if (base.radius != tube.radius || cross(ExactVector(base.axis), ExactVector(tube.axis)).is_zero())
         return std::nullopt;
     auto [d, sum, rest] = direction_of(base, tube, frame);
@@ -49,7 +52,7 @@ std::optional<Saddle> Saddle::of(const Cylinder& base, const Cylinder& tube, con
     f.x = {d[0] / x_length, d[1] / x_length, sum / x_length};
     f.y = {d[0] / y_length, d[1] / y_length, -rest / y_length};
     f.z = {-d[1] / sine, d[0] / sine, 0.0};
-    f.corner = corner;
+    const Triad<double>& corner = f.corner = corners.front();
     f.steep = sine / apart;
     // From the crossing's foot on the base's axis, that is (0, 0, zeta).
     const MidRad up = MidRad(corner[2]) - (MidRad(frame.point(base.point)[2]) + crossing);
@@ -63,6 +66,20 @@ std::optional<Saddle> Saddle::of(const Cylinder& base, const Cylinder& tube, con
     f.half_value = 0.5 * (half_apart - k * (square(X) + square(Y)));
     f.half_slope = {-k * X, -k * Y};
     f.half_square = -0.5 * k;
+    // Angles about a crossing that is so many times as far away as the face is large tell too little of it.
+    constexpr double far = 0x1p16;
+    double along_normal = 0, along_rays = 0, extent = 0;
+    for (const Triad<double>& p : corners) {
+        double x = X.mid(), y = Y.mid();
+        for (const std::size_t i : {0, 1, 2}) {
+            x += f.x[i].mid() * (p[i] - corner[i]);
+            y += f.y[i].mid() * (p[i] - corner[i]);
+        }
+        along_normal += half_apart.mid() - k.mid() * (x * x + y * y);
+        along_rays += std::hypot(p[0], p[1]);
+        extent = std::max(extent, std::hypot(x - X.mid(), y - Y.mid()));
+    }
+    if (!(along_normal <= along_rays && std::hypot(X.mid(), Y.mid()) <= far * extent)) return std::nullopt;
     return f;
 }
 

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "densities.hpp"
 #include "triads.hpp"
@@ -25,9 +26,11 @@ struct Saddle {
     MidRad half_value, half_square;
     std::array<MidRad, 2> half_slope;
 
-    /// None if it is no such tube, or digits do not tell the axes' distance.
+    /// None if it is no such tube, digits do not tell the axes' distance, the crossing is far away, or rays
+    /// meet the face better about the corners than what goes along z: edges are as far off along either as
+    /// they are off, over its cosine.
     static std::optional<Saddle> of(const Cylinder& base, const Cylinder& tube, const Frame& frame,
-                                    const Triad<double>& corner);
+                                    std::span<const Triad<double>> corners);
 };
 
 /// The face below an edge along z, and the wall between both, whose volume towards the base's axis counts;

@@ -428,9 +428,8 @@ std::optional<Shadow> shadow(const Scene& scene, const Frame& frame, const Site&
     if (equation->kind == Equation::Kind::plane) return Tapered{*equation, start};
     const bool is_tube = equation->kind == Equation::Kind::tube && !equation->is_hollow;
     if (is_tube) {
-        if (const auto saddle =
-                Saddle::of(std::get<Cylinder>(scene.base), std::get<Cylinder>(scene.objects[site.index]),
-                           frame, corners.front()))
+        if (const auto saddle = Saddle::of(std::get<Cylinder>(scene.base),
+                                           std::get<Cylinder>(scene.objects[site.index]), frame, corners))
             return *saddle;
         const auto& [x, y, z] = outline.points.front();
         const bool is_far = (equation->d[0] * x + equation->d[1] * y).mid() > 0;

@@ -6,6 +6,7 @@
 
 #include "../../envelope/voronoi_cell.hpp"
 #include "../../io/check/check.hpp"
+#include "../../io/files/scene_file.hpp"
 #include "../test_support.hpp"
 #include "listing.hpp"
 
@@ -62,6 +63,13 @@ TEST_CASE("check: cells next to vessels or tubes that all but coincide") {
         const Certificate c = certify(voronoi_cell(twins.scene(round, apart)));
         CHECK_MESSAGE(c.holds(), listing(c));
     }
+}
+
+TEST_CASE("check: hostile cell of a tube that a twin leans on") {
+    const Cell cell = voronoi_cell(read_scene(test_data("hostile/twin_leans_on_tube.json")));
+    const Certificate c = certify(cell);
+    CHECK_MESSAGE(c.holds(), listing(c));
+    CHECK(cell.measures.volume_error < 1e-2);
 }
 
 }  // namespace
