@@ -14,6 +14,15 @@ FlatFace::FlatFace(const Plane& side, const Vec3& near)
     point = near + (offset - normal.dot(near)) * normal;
 }
 
+std::optional<FlatFace> FlatFace::to_twin(const RadialBaseProblem& problem, FormId form, const Around& face) {
+    constexpr double narrow = 0x1p-10;  // a matter of digits: both integrals are right
+    const auto* twin = std::get_if<Cylinder>(&problem.objects[form]);
+    if (twin == nullptr || twin->radius != problem.chart.radius) return std::nullopt;
+    const Vec3 way(twin->point.x(), 0, twin->point.z());
+    return way.norm() < narrow * face.extent ? std::optional(FlatFace({0.5 * way, way}, face.near))
+                                             : std::nullopt;
+}
+
 // Boundaries run clockwise as seen from the base, counter-clockwise from outside.
 Share FlatFace::share(const SpanPoint<double>& p) const {
     const Vec3 q = Vec3(p.x, p.y, p.z) - point;

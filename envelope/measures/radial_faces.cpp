@@ -567,16 +567,6 @@ bool SkewFace::may_pass_tip(const span_integrals::PowerSpan& span) const {
     });
 }
 
-// Half-way to a tube along the base that has its radius, and is so near that rays hardly meet the plane over
-// most of the face.
-static std::optional<Plane> plane_to_twin(const RadialBaseProblem& problem, FormId form, const Around& face) {
-    constexpr double narrow = 0x1p-10;  // a matter of digits: both integrals are right
-    const auto* twin = std::get_if<Cylinder>(&problem.objects[form]);
-    if (twin == nullptr || twin->radius != problem.chart.radius) return std::nullopt;
-    const Vec3 way(twin->point.x(), 0, twin->point.z());
-    return way.norm() < narrow * face.extent ? std::optional(Plane{0.5 * way, way}) : std::nullopt;
-}
-
 }  // namespace radial_integrals
 
 RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
@@ -597,7 +587,7 @@ RadialFace make_radial_face(const RadialBaseProblem& problem, FormId form,
         return skew;
     }
     if (is_wall(problem, form)) return FlatFace(std::get<Plane>(problem.objects[form]), face.near);
-    if (const auto half_way = plane_to_twin(problem, form, face)) return FlatFace(*half_way, face.near);
+    if (const auto half_way = FlatFace::to_twin(problem, form, face)) return *half_way;
     return TurnedFace(problem, form, face);
 }
 

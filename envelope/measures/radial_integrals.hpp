@@ -264,6 +264,9 @@ struct FlatFace {
     double offset;  ///< normal.p = offset
 
     FlatFace(const Plane& side, const Vec3& near);
+    /// Half-way to a cylinder along the base that has its radius, and is so near that rays hardly meet the
+    /// plane over most of the face; of others none.
+    static std::optional<FlatFace> to_twin(const RadialBaseProblem& problem, FormId form, const Around& face);
     double least_distance() const { return std::numeric_limits<double>::infinity(); }
     Share share(const SpanPoint<double>& p) const;
     Share size(const SpanPoint<double>& p) const;

@@ -551,9 +551,8 @@ private:
         double steep = 0;
         for (const EdgeUse& use : uses_[e]) {
             const auto& shadow = shadows_[use.face];
-            const bool is_wall =
-                shadow && (std::holds_alternative<Flat>(*shadow) || std::holds_alternative<Saddle>(*shadow));
-            double s = cell_.faces[use.face].site.is_object() && !is_wall ? bands_[e].steepness : HUGE_VAL;
+            const bool has_plane = shadow && is_over_plane(*shadow);
+            double s = cell_.faces[use.face].site.is_object() && !has_plane ? bands_[e].steepness : HUGE_VAL;
             if (!std::isfinite(s)) s = steepest(use, span);
             if (!std::isfinite(s))
                 s = 2 * std::max({steepness(use, span, -1.0), steepness(use, span, 0.0),

@@ -134,6 +134,10 @@ Densities<T> densities(const Shadow& shadow, const Place<T>& p);
 /// Gives them where what p has along the axis, times w, is known better than from its coordinates.
 template <class T>
 Densities<T> densities(const Revolved& shadow, const Place<T>& p, const T& along_axis);
+/// Is it integrated over a plane of its own, and not along rays?
+inline bool is_over_plane(const Shadow& s) {
+    return std::holds_alternative<Flat>(s) || std::holds_alternative<Saddle>(s);
+}
 /// The area of the face for that of the base at its distance, of a Fan too.
 MidRad steepness(const Shadow& shadow, const Place<MidRad>& p);
 /// The integrand over sigma in [0, 1] too: what lies between the start and the edge, at one place of it, or

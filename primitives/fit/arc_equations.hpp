@@ -428,14 +428,12 @@ private:
     template <class T>
     Quadratic<T> quadratic(const std::array<T, 3>& m, const std::array<T, 3>& w) const {
         const T along = dot(axis_, m), alpha = dot(axis_, w), delta(delta_);
-        // From an axis, which may be far nearer than its point.
-        const T x = m[0] - along * T(axis_.x()), y = m[1] - along * T(axis_.y()),
-                z = m[2] - along * T(axis_.z());
-        const T squared = square(x) + square(y) + square(z), turned = x * w[0] + y * w[1] + z * w[2];
+        // From the axis, which may be far nearer than its point.
+        const T x = m[0] - axis_[0] * along, y = m[1] - axis_[1] * along, z = m[2] - axis_[2] * along,
+                squared = square(x) + square(y) + square(z), turned = x * w[0] + y * w[1] + z * w[2];
         if (kappa_ < 0) {  // a tube's wall is a cone's with no sine
-            const T P = dot(lean_, m) + delta, part = T(square(spread_));
-            return {square(P) - part * squared, P * (T(1.0) - dot(lean_, w)) + part * turned,
-                    -square(alpha - T(sine_))};
+            const T P = dot(lean_, m) + delta, part = T(square(spread_)), off = alpha - T(sine_);
+            return {square(P) - part * squared, P * (T(1.0) - dot(lean_, w)) + part * turned, -square(off)};
         }
         return {squared - square(delta), delta - turned, square(alpha)};
     }
