@@ -54,6 +54,7 @@ private:
             if (scene_.competes(i))
                 space().for_conditions(Site::object(i),
                                        [&](const Condition& c) { whole.conditions.push_back(c); });
+        conditions_ = whole.conditions;
         std::vector<Part> parts{std::move(whole)};
         const std::size_t most = std::size_t{64} << std::clamp(options_.effort, 0, 20);
         for (std::size_t count = 0; !parts.empty(); ++count) {
@@ -102,9 +103,7 @@ private:
     Vec2 in_side(const Vec3& p) const { return {p[across_[0]], p[across_[1]]}; }
 
     bool is_told(Part& part) const {
-        Vector<Interval> box = to_vector<Interval>(Vec3::Constant(bound_));
-        for (const Eigen::Index k : {0, 1})
-            box[static_cast<std::size_t>(across_[static_cast<std::size_t>(k)])] = {part.lo[k], part.hi[k]};
+        const Vector<Interval> box = box_over(part.lo, part.hi);
         std::vector<Vector<Interval>> inwards;
         if (geometry_.is_plane()) {
             const Interval height = space().clearance(box);
@@ -127,31 +126,73 @@ private:
         for (std::size_t i = 0; i < excesses.size(); ++i)
             if (excesses[i].lower() <= least) part.conditions[kept++] = part.conditions[i];
         part.conditions.resize(kept);
-        return is_covered(part) || has_no_maximum(part, box, inwards);
+        return is_covered(part) || has_no_maximum(part, box, inwards) || hangs_together(part);
+    }
+    Vector<Interval> box_over(const Vec2& lo, const Vec2& hi) const {
+        Vector<Interval> box = to_vector<Interval>(Vec3::Constant(bound_));
+        for (const Eigen::Index k : {0, 1})
+            box[static_cast<std::size_t>(across_[static_cast<std::size_t>(k)])] = {lo[k], hi[k]};
+        return box;
+    }
+
+    /// Is there a part in F, a little beside it, and f > 0 all the way there? F ends where f = 0, and W is
+    /// convex. Next to an edge nothing else tells that a part is in F, where f has no maximum: it is as good
+    /// as constant on a ray away from a twin of the base.
+    bool hangs_together(const Part& part) const {
+        constexpr double farther = 4;
+        constexpr int most_steps = 6;
+        double step = 2 * std::max(rounding(), kNearEdge * (whole_hi_ - whole_lo_).maxCoeff());
+        for (const std::size_t e : edges_)
+            if (may_meet(e, part)) step = std::max(step, 2 * error(e));
+        if (!((part.hi - part.lo).maxCoeff() < step)) return false;
+        for (int k = 0; k < most_steps; ++k, step *= farther)
+            for (const Vec2& d : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1), Vec2(1, 1), Vec2(-1, 1),
+                                  Vec2(1, -1), Vec2(-1, -1)}) {
+                const Part beside{part.lo + step * d, part.hi + step * d, {}};
+                const Vec2 lo = part.lo.cwiseMin(beside.lo), hi = part.hi.cwiseMax(beside.hi);
+                if (is_in_front(beside) && is_covered(beside) && is_positive_over(box_over(lo, hi)))
+                    return true;
+            }
+        return false;
+    }
+    /// Is a part in W?
+    bool is_in_front(const Part& part) const {
+        if ((part.lo.array() < whole_lo_.array()).any() || (part.hi.array() > whole_hi_.array()).any())
+            return false;
+        const Vector<Interval> box = box_over(part.lo, part.hi);
+        if (geometry_.is_plane()) return space().clearance(box).lower() > rounding();
+        return space().inside_end(0, box).lower() > 0 && space().inside_end(1, box).lower() > 0;
+    }
+    bool is_positive_over(const Vector<Interval>& box) const {
+        return std::ranges::all_of(conditions_,
+                                   [&](const Condition& c) { return space().excess(c, box).lower() > 0; });
     }
 
     // --- In F -----------------------------------------------------------------------------------------
 
-    bool is_covered(const Part& part) const {
-        const auto meets = [&](const Bezier<3>& piece, double error, const auto& self, int depth) -> bool {
-            Vec2 lo = Vec2::Constant(HUGE_VAL), hi = -lo;
-            for (std::size_t i = 0; i < piece.points.size(); ++i) {
-                lo = lo.cwiseMin(in_side(piece.control(i)));
-                hi = hi.cwiseMax(in_side(piece.control(i)));
-            }
-            const Vec2 off = Vec2::Constant(error);
-            if (((lo - off).array() > part.hi.array()).any() || ((hi + off).array() < part.lo.array()).any())
-                return false;
-            // Pieces a good deal smaller than the part tell no more.
-            if (depth == 0 || ((hi - lo).array() < 0.25 * (part.hi - part.lo).array()).all()) return true;
-            for (const auto& half : piece.halves())
-                if (self(half, error, self, depth - 1)) return true;
-            return false;
-        };
+    /// May an edge, as far as it is known, run through a part?
+    bool may_meet(std::size_t e, const Part& part) const {
         constexpr int halvings = 32;
-        for (const std::size_t e : edges_)
-            for (const auto& piece : edge_pieces_[e])
-                if (meets(piece, error(e) + rounding(), meets, halvings)) return false;
+        return std::ranges::any_of(edge_pieces_[e], [&](const auto& piece) {
+            return may_meet(piece, error(e) + rounding(), part, halvings);
+        });
+    }
+    bool may_meet(const Bezier<3>& piece, double error, const Part& part, int depth) const {
+        Vec2 lo = Vec2::Constant(HUGE_VAL), hi = -lo;
+        for (std::size_t i = 0; i < piece.points.size(); ++i) {
+            lo = lo.cwiseMin(in_side(piece.control(i)));
+            hi = hi.cwiseMax(in_side(piece.control(i)));
+        }
+        const Vec2 off = Vec2::Constant(error);
+        if (((lo - off).array() > part.hi.array()).any() || ((hi + off).array() < part.lo.array()).any())
+            return false;
+        // Pieces a good deal smaller than the part tell no more.
+        if (depth == 0 || ((hi - lo).array() < 0.25 * (part.hi - part.lo).array()).all()) return true;
+        return std::ranges::any_of(piece.halves(),
+                                   [&](const auto& half) { return may_meet(half, error, part, depth - 1); });
+    }
+    bool is_covered(const Part& part) const {
+        if (std::ranges::any_of(edges_, [&](std::size_t e) { return may_meet(e, part); })) return false;
         const std::optional<Vec2> middle = middle_in_front(part);
         if (!middle) return false;
         const Vec3 p = at(*middle);
@@ -300,6 +341,7 @@ private:
     }
 
     Site side_;
+    std::vector<Condition> conditions_;   // of all objects
     std::array<Eigen::Index, 2> across_;  // its axes
     double bound_ = 0;                    // its coordinate along the third
     Vec2 whole_lo_, whole_hi_;

@@ -12,6 +12,7 @@
 ///   - one that no edge of F meets but such as lie on the boundary of W, and of which a point in W is in F,
 ///   is
 ///     in F as far as it is in W;
+///   - one from which a way leads to a part that is in F, and f > 0 on all of it, is in F;
 ///   - where there is a direction in which all excesses grow that may be the least somewhere in it, and which
 ///     does not lead out of W through any of its sides that meet it, no point of it is a maximum.
 ///

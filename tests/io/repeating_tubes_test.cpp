@@ -73,6 +73,21 @@ TEST_CASE("check of repeating tubes: twins along an axis are told apart, and how
     }
 }
 
+// On the ray away from a twin how much nearer it is hardly changes: there is no telling that it has no
+// maximum next to an edge, and that nothing is missing.
+TEST_CASE("check of repeating tubes: rays next to edges come in on the far side of a twin") {
+    DiagramScene scene;
+    scene.box = {Vec3::Zero(), Vec3::Constant(4)};
+    scene.periodic = {true, true, true};
+    scene.tilt = {2, -2, -1};
+    const Vec3 axis(0, -1.25, 1);
+    scene.objects = {Sphere{{2.813874676549215, 3.091651016845026, 3.397025993407052}, 0},
+                     Sphere{{0.5024983600300508, 0.6398336168666655, 1.2465190732825}, 0.25318236875745165},
+                     Cylinder{{2.1220088133684194, 0.33614343598861773, 2.581293129745572}, axis, 0.208825},
+                     Cylinder{{2.122009102713864, 0.33614230156164654, 2.581294068068731}, axis, 0.208825}};
+    check_proved(certify(stored(scene, true)));
+}
+
 TEST_CASE("check of repeating tubes: random ones among balls are proved, in any box") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> unit(0, 1);
