@@ -77,6 +77,7 @@ Share GraphFace::share(const Place& place) const {
         const double sweep = from_crossing.x() * way.y() - from_crossing.y() * way.x();
         return {volume, swept(steep * steep * from_crossing.squaredNorm()) * sweep};
     }
+    // The element is singular three times as far away, in the complex plane, as the edge is: 8 points do.
     const quadrature::RuleOf<8>& rule = quadrature::rule<8>();
     double mean = 0;
     for (int i = 0; i < 4; ++i)

@@ -310,7 +310,7 @@ struct SkewFace {
 /// way to an edge, and next to a twin, where rays hardly meet the graph, the edge's points are taken as they
 /// are.
 struct GraphFace {
-    /// Of a curve, and the ray that sees it.
+    /// A curve's point, and the ray that sees it.
     struct Place {
         const SpanPoint<double>& curve;
         const Ray& ray;

@@ -46,7 +46,7 @@ Densities<T> along(const Saddle& f, const Place<T>& p) {
     const T X = a + T(f.at[0]), Y = b + T(f.at[1]);
     const T squared = f.steep * f.steep * (square(X) + square(Y)), element = sqrt(T(1.0) + squared);
     const T swept = (squared + T(2.0) + element) / (3.0 * (T(1.0) + element));
-    // X Y less that of the corner.
+    // X Y is more than that of the corner by a Y + X_corner b.
     const T above = T(f.at[2]) + dot(f.z, q) + f.steep * (a * Y + f.at[0] * b);
     const Triad<T> across = cross(f.z, velocity);
     const T x = q[0] + T(f.corner[0]), y = q[1] + T(f.corner[1]);

@@ -172,8 +172,8 @@ std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Ob
             }
             const double key = direction.dot(image), behind_it = std::abs(behind) / w.norm();
             const double least = std::min(most, narrow * std::min({w.norm(), behind_it, off_base(mirrored)}));
-            // With what both of X' and Y, and of T and the base, are apart: squares of distances from X' and
-            // Y differ by |X' - Y| / |w| of those from T and the base, which is |w| / 2 away next to M.
+            // Squares of distances from X' and Y differ by |X' - Y| / |w| of what those from T and the base
+            // do; next to M the base is |w| / 2 away.
             const double per_move = (1 + rounding) * std::max(1.0, (w.norm() + 2 * radius) / behind_it);
             for (auto x = std::ranges::lower_bound(places, key - slack, {}, &Place::key);
                  x != places.end() && x->key <= key + slack; ++x) {
