@@ -19,13 +19,12 @@ GraphFace::GraphFace(const SkewFace& heights, const SkewAxes& axes, const Around
       y0(axes.y0),
       half_apart(0.5 * axes.apart),
       steep(axes.steep),
+      bend(steep * x.y() * y.y()),
       near(x.dot(face.near - foot), y.dot(face.near - foot)) {
     constexpr double narrow = 0x1p-10, far = 4;  // matters of digits: all are right
     const Vec2 crossing = Vec2(x0, y0) + near;
-    // Along the normal z + steep (Y x + X y), of the way across the base's axis.
-    const double along = half_apart - steep * x.y() * y.y() * crossing.squaredNorm(),
-                 reach = std::hypot(face.near.x(), face.near.z());
-    is_narrow = std::abs(along) < narrow * reach * element(crossing);
+    const double reach = std::hypot(face.near.x(), face.near.z());
+    is_narrow = std::abs(along_normal(crossing)) < narrow * reach * element(crossing);
     is_far = crossing.norm() > far * face.extent;
 }
 
@@ -57,21 +56,18 @@ GraphFace::Point GraphFace::point(const Place& place) const {
     return {{x.dot(q), y.dot(q)}, {x.dot(dq), y.dot(dq)}, condition};
 }
 
-// With q from the foot, a = (X, Y) - (x0, y0) along x and y, b = (x_y, y_y) the base's direction and N = z +
-// steep (Y x + X y) the normal, what the way across the base's axis has along N is
+// With the base's direction (x_y, y_y) along x and y, what the way across its axis has along the normal is
 //
-//     h / 2 - steep x0 y0 - steep (m b.a + x_y y_y |a|^2),   m = x_y y0 + y_y x0,
+//     h / 2 - k (X^2 + Y^2),   k = steep x_y y_y,
 //
-// of which the part of degree k about a point counts 1 / (k + 2) of the angle that is swept from there. The
+// of which the part of degree n about a point counts 1 / (n + 2) of the angle that is swept from there. The
 // area element sqrt(1 + w), w = steep^2 (X^2 + Y^2), has an integral along rays from the crossing.
 Share GraphFace::share(const Place& place) const {
     const auto [at, way, condition] = point(place);
-    const Vec2 q = at - near, b(x.y(), y.y());
+    const Vec2 q = at - near, crossing = Vec2(x0, y0) + near;
     const double turn = q.x() * way.y() - q.y() * way.x();
-    const double m = b.x() * y0 + b.y() * x0, k = b.x() * b.y();
-    const double constant = half_apart - steep * (x0 * y0 + m * b.dot(near) + k * near.squaredNorm()),
-                 linear = -steep * (m * b + 2 * k * near).dot(q), square = -steep * k * q.squaredNorm();
-    const double volume = 0.5 * (0.5 * constant + linear / 3 + 0.25 * square) * turn;
+    const double linear = -2 * bend * crossing.dot(q), square = -bend * q.squaredNorm();
+    const double volume = 0.5 * (0.5 * along_normal(crossing) + linear / 3 + 0.25 * square) * turn;
     const Vec2 from_crossing = Vec2(x0, y0) + at;
     if (!is_far) {
         const double sweep = from_crossing.x() * way.y() - from_crossing.y() * way.x();
@@ -83,7 +79,7 @@ Share GraphFace::share(const Place& place) const {
     for (int i = 0; i < 4; ++i)
         for (const double s : {-rule.x[i], rule.x[i]}) {
             const double part = 0.5 + 0.5 * s;
-            mean += 0.5 * rule.weight[i] * part * element(Vec2(x0, y0) + near + part * q);
+            mean += 0.5 * rule.weight[i] * part * element(crossing + part * q);
         }
     return {volume, mean * turn};
 }
@@ -94,15 +90,17 @@ double GraphFace::swept(double w) {
     return (w + 2 + root) / (3 * (1 + root));
 }
 
+double GraphFace::along_normal(const Vec2& from_crossing) const {
+    return half_apart - bend * from_crossing.squaredNorm();
+}
 double GraphFace::element(const Vec2& at) const { return std::sqrt(1 + steep * steep * at.squaredNorm()); }
 
 Share GraphFace::size(const Place& place) const {
     const auto [at, way, condition] = point(place);
     const SpanPoint<double>& p = place.curve;
     const double rounding = noise * Vec3(p.x, p.y, p.z).norm(), reach = (at - near).norm() + rounding,
-                 from_crossing = (Vec2(x0, y0) + at).norm(), m = std::abs(x.y() * y0) + std::abs(y.y() * x0),
-                 farthest = at.norm() + near.norm();
-    const double heights = half_apart + steep * (std::abs(x0 * y0) + m * farthest + farthest * farthest);
+                 from_crossing = (Vec2(x0, y0) + at).norm(), farthest = from_crossing + 2 * reach;
+    const double heights = half_apart + std::abs(bend) * farthest * farthest;
     const double speed = way.norm() * condition, highest = element(Vec2(from_crossing, 0));
     return {heights * reach * speed, highest * (is_far ? reach : from_crossing) * speed};
 }

@@ -319,6 +319,7 @@ struct GraphFace {
     SkewFace rays;
     Vec3 x, y, z, foot;  ///< as in SkewAxes, z away from the base; foot: on the base's axis
     double x0, y0, half_apart, steep;
+    double bend;     ///< steep times the base's direction along x and along y
     Vec2 near;       ///< a place of the face along x and y, from the foot: angles count from there
     bool is_narrow;  ///< hardly met by rays
     bool is_far;     ///< from the crossing
@@ -340,6 +341,8 @@ private:
         double condition;
     };
     Point point(const Place& place) const;
+    /// What the way across the base's axis has along the normal z + steep (Y x + X y).
+    double along_normal(const Vec2& from_crossing) const;
     double element(const Vec2& from_crossing) const;
     static double swept(double w);
 };

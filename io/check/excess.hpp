@@ -21,8 +21,8 @@ public:
 
     /// Encloses the excess everywhere on the net.
     Interval excess(const Condition& condition) const;
-    /// Of a ball or tube next to a base like it, of its radius: the square of the distance from what it is
-    /// about less that from what the base is about, all over the net. It is 0 where the excess is.
+    /// The square of the distance from what a ball or tube is about less that from what the base is about,
+    /// all over the net: it is 0 where the excess is. None but of a twin of the base, of its radius.
     std::optional<Interval> squares_of_twin(std::uint32_t object) const;
     /// The excess of c less that of d, of two objects of one kind: as small as they are apart.
     std::optional<Interval> excess_difference(const Condition& c, const Condition& d) const;

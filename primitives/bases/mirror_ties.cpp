@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "../forms/axial_ties.hpp"
 #include "../objects/exact_space.hpp"
 #include "canonical.hpp"
 
@@ -17,9 +18,6 @@ namespace vcell {
 namespace {
 
 constexpr double rounding = 0x1p-40;  // of coordinates, where doubles only find what exact numbers judge
-// Output accuracy: the part of the distance between two objects by which one may be moved. Next to twins the
-// curve on which an image ties is moved by as much of what the cell reaches.
-constexpr double narrow = 0x1p-32;
 
 Vec3 rounded(const ExactVector& v) { return {nearest(v.x), nearest(v.y), nearest(v.z)}; }
 
@@ -171,7 +169,8 @@ std::vector<MirrorTie> find_mirror_ties(const Cylinder& base, std::span<const Ob
                 image -= along.dot(image) * along;
             }
             const double key = direction.dot(image), behind_it = std::abs(behind) / w.norm();
-            const double least = std::min(most, narrow * std::min({w.norm(), behind_it, off_base(mirrored)}));
+            const double least =
+                std::min(most, narrow_place * std::min({w.norm(), behind_it, off_base(mirrored)}));
             // Squares of distances from X' and Y differ by |X' - Y| / |w| of what those from T and the base
             // do; next to M the base is |w| / 2 away.
             const double per_move = (1 + rounding) * std::max(1.0, (w.norm() + 2 * radius) / behind_it);

@@ -99,7 +99,6 @@ double move_between(const RadialForm& j, const RadialForm& a, const RadialForm& 
 // which j may be nearer? Twins of one another tie up to that next to it, and farther away are told apart.
 bool is_nearly_between(const NearnessAtAngle& j, const NearnessAtAngle& a, const NearnessAtAngle& b,
                        double angle) {
-    constexpr double narrow_strip = 0x1p-32;  // output accuracy, of angles
     const Vec3 to_a(a.x - j.x, a.z - j.z, a.w - j.w), to_b(b.x - j.x, b.z - j.z, b.w - j.w);
     // The distance from the segment between a and b, as coefficients.
     const double off = std::numbers::sqrt2 * to_a.cross(to_b).norm() / (to_a - to_b).norm();
@@ -107,7 +106,7 @@ bool is_nearly_between(const NearnessAtAngle& j, const NearnessAtAngle& a, const
         return std::abs(d.x() * std::cos(angle) - d.y() * std::sin(angle));
     };
     return to_a.dot(to_b) < 0 && off <= narrow_tie * std::abs(b.at(angle)) &&
-           off <= narrow_strip * std::min(slope(to_a), slope(to_b));
+           off <= narrow_place * std::min(slope(to_a), slope(to_b));
 }
 
 // Once around the axis, from one nearest form to the next: visit(j, a, b, angle) for each form j that about

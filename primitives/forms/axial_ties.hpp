@@ -39,6 +39,10 @@ namespace vcell {
 /// the distance at which they tie.
 constexpr double narrow_tie = 0x1p-40;
 
+/// Output accuracy, in parts of what a cell reaches: where a tie gives way for rounding, the lines in which
+/// two of three meet are no farther apart. Next to twins they are for far less rounding than elsewhere.
+constexpr double narrow_place = 0x1p-32;
+
 /// Of three forms the middle one, by their places in the list.
 struct AxialTie {
     std::uint32_t middle;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "../objects/exact_space.hpp"
+#include "axial_ties.hpp"
 
 namespace vcell {
 
@@ -41,12 +42,11 @@ double sine_between(const Numbers& f, const Numbers& g) {
 // None if their lines are farther apart than places are to be known, as where two of them are twins.
 std::optional<double> off_both(double move, const Numbers& middle, const Numbers& first,
                                const Numbers& second, double reach) {
-    constexpr double narrow = 0x1p-32;  // output accuracy, in parts of the reach
     if (move == 0) return 0;
     const double sine = sine_between(first, second),
                  least = std::min(sine_between(middle, first), sine_between(middle, second)),
                  off = move * std::max(1.0, sine / least);
-    return off <= narrow * reach * sine ? std::optional(off) : std::nullopt;
+    return off <= narrow_place * reach * sine ? std::optional(off) : std::nullopt;
 }
 
 // None where three walls have no line in common, or all are needed beside it.

@@ -192,7 +192,7 @@ TEST_CASE("wall ties: of three planes through a line that is left out which no p
     REQUIRE(near.size() == 1);
     CHECK(near[0].middle == 2);
     CHECK(near[0].off == doctest::Approx(0x1p-39));
-    // Of twins of x a third is no nearer to the edge than that, but far away from it along x.
+    // A twin of x that is beside the edge by so little meets x far away from it.
     RadialForm twin = form_of({4, 0, 1, 0});
     twin.b[2] = 0x1p-30;
     twin.c[0] = 4.0 + 0x1p-28;

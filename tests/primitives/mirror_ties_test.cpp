@@ -145,7 +145,7 @@ TEST_CASE("mirror ties: what is off by rounding gives way by that, and by no mor
     CHECK(ties[0].off >= off);
     CHECK(ties[0].off < 3 * off);
     CHECK(find_mirror_ties(base, pointers(objects), 0.5 * off).empty());
-    // Of a twin of the base no image gives way by more than a part of what these are apart.
+    // The image of the base's twin gives way by no more than a part of what the two are apart.
     const double apart = 0x1p-30;
     const std::vector<Object> twins{objects[0], Cylinder{{0.1 + apart, 0, 0.1 + off}, {0, 1, 0}, 0.25},
                                     Cylinder{{0.1 + apart, 0, 0.3}, {0, 1, 0}, 0.25}};
