@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <queue>
 #include <utility>
 
 #include "disc.hpp"
@@ -473,22 +474,29 @@ inline const EstimatingRule& rule_across() {
 
 }  // namespace detail
 
-/// estimate() takes the product of two rules where a proof of the integral would take too long. It is an
-/// estimate, if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with
-/// those of degrees n - 2 and n - 1 at p of the integrand's size a rule with n nodes, which knows all up to 2
-/// n - 1, leaves out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(3/2), and as long as they
-/// do not fall p. (Next to where axes all but cross p^(7/4) is too little, a hundred times.) f takes several
-/// s at once and returns a function of t. False: the effort is spent, and it is a poor one.
+namespace detail {
+
+/// What the product of two rules has over a rectangle, and leaves out.
+template <std::size_t N>
+struct Estimate {
+    std::array<double, 2> a, b;
+    std::array<Interval, N> sum;
+    bool is_enough = true;
+    double left_out = 0;   ///< at most, in units of what need not be known better
+    std::size_t axis = 0;  ///< along which more is left out
+
+    bool operator<(const Estimate& other) const { return left_out < other.left_out; }
+};
+
 template <std::size_t N, class F>
-bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
-              const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
+Estimate<N> estimate_part(const F& f, const std::array<double, 2>& a, const std::array<double, 2>& b,
+                          const std::array<double, N>& enough) {
     constexpr double rounding = 0x1p-46, falling = 0x1p-8;
-    constexpr std::size_t inner_nodes = detail::nodes_across;
-    ++effort.parts_used;
+    constexpr std::size_t inner_nodes = nodes_across;
     const std::array middle{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])},
         half{0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])};
     const double quarter = half[0] * half[1];
-    const detail::EstimatingRule &outer = detail::rule_along(), &inner = detail::rule_across();
+    const EstimatingRule &outer = rule_along(), &inner = rule_across();
     // The two last coefficients along the one variable, at each node of the other.
     std::array<std::array<std::array<Approximate, inner_nodes>, N>, 2> first{};
     std::array<Approximate, N> totals{}, sizes{}, tails{};
@@ -525,32 +533,64 @@ bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
             tail[0][i] += 2 * inner.rule.nodes[n].weight.mid() *
                           std::max(std::abs(first[0][i][n].sum()), std::abs(first[1][i][n].sum()));
     }
-    bool is_enough = true;
+    Estimate<N> part{a, b, {}};
     std::array<double, 2> worst{};
-    std::array<double, N> error;
     for (std::size_t i = 0; i < N; ++i) {
         const double allowed = std::max(enough[i] * quarter, rounding * size[i] * quarter);
-        error[i] = 0x1p-50 * size[i];
         double left_out = 0;
         for (const std::size_t axis : {0, 1}) {
-            const double part = tail[axis][i] / size[i];
-            const double along = part < falling ? tail[axis][i] * std::sqrt(part) : tail[axis][i];
-            left_out += along * quarter;
-            worst[axis] = std::max(worst[axis], along * quarter / allowed);
+            const double share = tail[axis][i] / size[i];
+            const double along =
+                (share < falling ? tail[axis][i] * std::sqrt(share) : tail[axis][i]) * quarter;
+            left_out += along;
+            worst[axis] = std::max(worst[axis], along / allowed);
         }
-        error[i] = error[i] * quarter + left_out;
-        is_enough = is_enough && left_out <= allowed;
+        part.is_enough = part.is_enough && left_out <= allowed;
+        part.left_out = std::max(part.left_out, std::isfinite(left_out) ? left_out / enough[i] : HUGE_VAL);
+        part.sum[i] = Interval::ball(quarter * total[i], 0x1p-50 * size[i] * quarter + left_out);
     }
-    const std::size_t axis = worst[1] > worst[0] ? 1 : 0;
-    if (!is_enough && effort.parts_used < effort.parts && a[axis] < middle[axis] && middle[axis] < b[axis]) {
-        auto low = b, high = a;
-        low[axis] = high[axis] = middle[axis];
-        const bool lower = estimate(f, a, low, enough, sum, effort);
-        const bool upper = estimate(f, high, b, enough, sum, effort);
-        return lower && upper;
+    part.axis = worst[1] > worst[0] ? 1 : 0;
+    return part;
+}
+
+}  // namespace detail
+
+/// estimate() takes the product of two rules where a proof of the integral would take too long. It is an
+/// estimate, if a generous one: coefficients of Legendre's polynomials fall like powers q^n, so that with
+/// those of degrees n - 2 and n - 1 at p of the integrand's size a rule with n nodes, which knows all up to 2
+/// n - 1, leaves out about p^2 [Trefethen13, Thms. 8.1, 19.3]; it is taken to be p^(3/2), and as long as they
+/// do not fall p. (Next to where axes all but cross p^(7/4) is too little, a hundred times.) f takes several
+/// s at once and returns a function of t. Parts in which most is left out are halved first. False: the effort
+/// is spent, and it is a poor one.
+template <std::size_t N, class F>
+bool estimate(const F& f, std::array<double, 2> a, std::array<double, 2> b,
+              const std::array<double, N>& enough, std::array<Interval, N>& sum, Effort& effort) {
+    const auto add = [&](const detail::Estimate<N>& part) {
+        for (std::size_t i = 0; i < N; ++i) sum[i] += part.sum[i];
+    };
+    std::priority_queue<detail::Estimate<N>> poor;
+    const auto look_at = [&](const std::array<double, 2>& from, const std::array<double, 2>& to) {
+        ++effort.parts_used;
+        if (auto part = detail::estimate_part(f, from, to, enough); part.is_enough)
+            add(part);
+        else
+            poor.push(std::move(part));
+    };
+    look_at(a, b);
+    const double allowed = 0.25 * (b[0] - a[0]) * (b[1] - a[1]);
+    while (!poor.empty() && !(poor.top().left_out * static_cast<double>(poor.size()) <= allowed)) {
+        const detail::Estimate<N> part = poor.top();
+        const double from = part.a[part.axis], to = part.b[part.axis], middle = 0.5 * (from + to);
+        if (effort.parts_used >= effort.parts || !(from < middle && middle < to)) break;
+        poor.pop();
+        auto low = part.b, high = part.a;
+        low[part.axis] = high[part.axis] = middle;
+        look_at(part.a, low);
+        look_at(high, part.b);
     }
-    for (std::size_t i = 0; i < N; ++i) sum[i] += Interval::ball(quarter * total[i], error[i]);
-    return is_enough;
+    const bool is_complete = poor.empty() || effort.parts_used < effort.parts;
+    for (; !poor.empty(); poor.pop()) add(poor.top());
+    return is_complete;
 }
 
 }  // namespace vcell::check
