@@ -92,7 +92,8 @@ private:
         for (std::uint32_t s = 0; s < 6; ++s) {
             const double first = inside(s, part.ends[0]), last = inside(s, part.ends[1]);
             if (is_across(s)) {
-                if (std::min(first, last) < -off)
+                // Where they are on the axis is rounded, however near to it they are.
+                if (std::min(first, last) < -(off + geometry_.rounding()))
                     certificate_.refute(where + ".ends",
                                         fmt::format("are beyond {}", title(Site::box_side(s))));
                 continue;
