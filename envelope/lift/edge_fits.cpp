@@ -75,7 +75,7 @@ std::vector<double> EdgeFits::angles_along(EdgeId e) const {
     for (int i = 1; i < count; ++i) parts.push_back(std::abs(turn) * i / count);
     for (const unsigned side : {0u, 1u})
         for (const Sector& s : patches_.sectors(of_.diagram.face(e, side))) {
-            const double part = turned_until(s.from, from, turn);
+            const double part = turned_until(s.from(), from, turn);
             if (part > near && part < std::abs(turn) - near) parts.push_back(part);
         }
     sort_unique(parts);

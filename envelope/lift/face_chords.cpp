@@ -87,10 +87,8 @@ std::vector<bool> FaceChords::too_wide() const {
     std::vector<bool> result(sectors.size(), false);
     const std::optional<Runs> boundary = runs();
     if (!boundary) return result;
-    std::vector<double> reaches;
-    for (const Sector& s : sectors) reaches.push_back(s.reach());
     std::uint32_t seams = 0;
-    const auto parts = cut_face(*boundary, reaches, seams);
+    const auto parts = cut_face(*boundary, patches_.cut_sectors(face_), seams);
     if (!parts) return result;
     for (const CutPart& part : *parts) {
         const Sector& sector = sectors[part.within];
@@ -109,7 +107,7 @@ bool FaceChords::holds(const RadialPatch& patch, const std::vector<TrimCurve>& l
 // where the line to the point beyond meets it.
 std::optional<FaceChords::Runs> FaceChords::runs() const {
     const std::span<const Sector> sectors = patches_.sectors(face_);
-    const auto count = static_cast<std::uint32_t>(sectors.size());
+    const auto count = static_cast<std::uint32_t>(patches_.places(face_).size());
     struct Place {
         std::uint32_t within;
         Vec2 at;
@@ -141,8 +139,8 @@ std::optional<FaceChords::Runs> FaceChords::runs() const {
             std::vector<Eigen::Vector3d> points;
             const auto add = [&](double u, double v) { points.push_back({u, v, 1}); };
             const auto side = [&](const Place& from, const Place& to) -> std::optional<bool> {
-                const bool is_next = to.within == (from.within + 1) % count,
-                           is_last = from.within == (to.within + 1) % count;
+                const std::uint32_t start = sectors[from.within].place, end = sectors[to.within].place;
+                const bool is_next = end == (start + 1) % count, is_last = start == (end + 1) % count;
                 if (is_next && is_last)
                     return from.at.x() > 0 && to.at.x() < 0   ? std::optional(true)
                            : from.at.x() < 0 && to.at.x() > 0 ? std::optional(false)

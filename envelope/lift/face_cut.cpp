@@ -25,21 +25,29 @@ struct Crossing {
     std::uint32_t from, to;
 };
 
-// Sector i is before seam i + 1, and beyond seam i.
+// What is in place i is before seam i + 1, and beyond seam i.
 class SectorSides {
 public:
-    explicit SectorSides(std::span<const double> reaches) : reaches_(reaches) {}
+    explicit SectorSides(std::span<const CutSector> sectors) : sectors_(sectors) {
+        for (const CutSector& s : sectors) {
+            if (s.place >= sharing_.size()) sharing_.resize(s.place + 1, none);
+            sharing_[s.place] = sharing_[s.place] == none ? alone : shared;
+        }
+    }
 
-    std::size_t count() const { return reaches_.size(); }
-    // Heights are compared in the sector before the seam.
+    std::size_t count() const { return sharing_.size(); }
+    // Heights are compared in the sector before the seam; where that has not its place for itself, in the one
+    // beyond.
     std::pair<std::size_t, Crossing> crossing(const BoundaryRun& run, const BoundaryRun& next) const {
-        if (end(run).x() > 0) return {(run.within + 1) % count(), {end(run).y(), true, 0, 0}};
-        return {run.within, {start(next).y(), false, 0, 0}};
+        const bool is_outwards = end(run).x() > 0;
+        const std::uint32_t before = sectors_[(is_outwards ? run : next).within].place;
+        const bool in_run = is_outwards == (sharing_[before] == alone);
+        return {(before + 1) % count(), {in_run ? end(run).y() : start(next).y(), is_outwards, 0, 0}};
     }
     bool settle(std::vector<Crossing>&) const { return true; }
     RationalCurve2 seam(const Crossing&, const Crossing&, bool is_before, const BoundaryRun& from,
                         const BoundaryRun& to) const {
-        const double u = is_before ? reaches_[from.within] : -reaches_[from.within];
+        const double reach = sectors_[from.within].reach, u = is_before ? reach : -reach;
         RationalCurve2 curve;
         begin_joined(curve, 1, 1);
         curve.points = {{u, end(from).y(), 1}, {u, start(to).y(), 1}};
@@ -47,7 +55,10 @@ public:
     }
 
 private:
-    std::span<const double> reaches_;
+    enum Sharing : char { none, alone, shared };
+
+    std::span<const CutSector> sectors_;
+    std::vector<Sharing> sharing_;
 };
 
 // The first half is before the circle.
@@ -281,8 +292,8 @@ private:
 }  // namespace
 
 std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
-                                             std::span<const double> reaches, std::uint32_t& seams) {
-    return Cutter(loops, SectorSides(reaches), seams).parts();
+                                             std::span<const CutSector> sectors, std::uint32_t& seams) {
+    return Cutter(loops, SectorSides(sectors), seams).parts();
 }
 
 std::optional<std::vector<CutPart>> halve_face(const std::vector<std::vector<BoundaryRun>>& loops,

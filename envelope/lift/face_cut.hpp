@@ -6,7 +6,9 @@
 /// second parameter v grows along all such sides and between them. Boundary curves come in runs within one
 /// sector each; where one run ends in a sector's side and the next one starts in the sector beyond, the face
 /// continues along the side: such crossings come in pairs, with a seam piece between them that closes the
-/// loops of both sectors. So do lines v = const once around, where all sectors come together in a tip.
+/// loops of both sectors. So do lines v = const once around, where all sectors come together in a tip. Two
+/// sectors may share their place, if no part of the face that lies there belongs to both: then those beside
+/// them are alone in theirs.
 ///
 /// *Across an axis*: a circle about it divides the face in two, each half within a circle about (0, 0).
 /// Likewise crossings of the circle come in pairs, and all of it is a seam where nothing of the boundary
@@ -36,11 +38,16 @@ struct CutPart {
     std::vector<std::vector<TrimCurve>> loops;  ///< outer first, then holes
 };
 
-/// The parts of a face with the given boundary loops, each a cycle of runs with the face on their left.
-/// `reaches`: u on the sides of each sector, two sectors at least. `seams` counts the seam pieces given out
-/// so far. None where the runs do not enclose parts: a curve runs along a seam as far as its fit tells.
+struct CutSector {
+    double reach;         ///< u on its last side, and -u on its first one
+    std::uint32_t place;  ///< once around, from 0 on
+};
+
+/// The parts of a face with the given boundary loops, each a cycle of runs with the face on their left, in
+/// sectors at two places at least. `seams` counts the seam pieces given out so far. None where the runs do
+/// not enclose parts: a curve runs along a seam as far as its fit tells.
 std::optional<std::vector<CutPart>> cut_face(const std::vector<std::vector<BoundaryRun>>& loops,
-                                             std::span<const double> reaches, std::uint32_t& seams);
+                                             std::span<const CutSector> sectors, std::uint32_t& seams);
 /// The parts in two halves: at(angle, half) is the circle's point at an angle of the first half's parameters,
 /// in those of either. None where crossings are so near to each other that doubles may not tell their order.
 using CirclePoint = std::function<Vec2(double angle, std::uint32_t half)>;

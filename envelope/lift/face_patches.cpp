@@ -26,6 +26,50 @@ constexpr double narrowest_sector = 0x1p-10;
 
 using std::numbers::pi;
 
+// On both sides of a tip, which the face may hold or others hide.
+std::optional<BisectorTip> tip_beside(const RadialBaseProblem& problem, FormId form,
+                                      const CylinderTurns& turns, const CylinderTurns::Extent& e) {
+    for (const BisectorTip& tip : bisector_tips(problem, form)) {
+        if (!(tip.y > e.lowest && tip.y < e.highest)) continue;
+        const double off = std::abs(std::remainder(e.middle() - turns.angle(tip.u), 2 * pi));
+        if (e.is_closed || off <= 0.5 * e.width()) return tip;
+    }
+    return std::nullopt;
+}
+
+// Strips lie along lines of the bisector, x = const. Where x is small the face may reach far along y and the
+// other way round, and a rectangle that holds both reaches far beyond: strips grow in powers of two from the
+// line in both axes' plane on, next to which the graph is no higher than the face. Nothing crosses the outer
+// sides. No strips where the graph reaches no farther; none at all where digits do not tell it.
+std::optional<std::vector<SectorRange>> strips_of(const SkewAxes& axes, const RadialPatch& patch,
+                                                  const std::vector<std::vector<Vec3>>& points) {
+    constexpr double too_far = 16;  // of the face's size
+    double x = 0, y = 0, z = 0;
+    for (const std::vector<Vec3>& loop : points)
+        for (const Vec3& p : loop) {
+            const Vec2 at = patch.parameters(p);
+            x = std::max(x, std::abs(axes.x0 + at.x()));
+            y = std::max(y, std::abs(axes.y0 + at.y()));
+            z = std::max(z, std::abs(axes.x.cross(axes.y).dot(p - axes.origin)));
+        }
+    // Output accuracy, in parts of the face: a graph that rounding moves by so much tells nothing.
+    constexpr double rounding = 0x1p-48, too_much = 0x1p-10;
+    if (axes.steep * std::max(x, y) * rounding > too_much) return std::nullopt;
+    const double size = x + y + z;
+    std::vector<SectorRange> strips;
+    if (!(axes.steep * x * y > too_far * size)) return strips;
+    std::vector<double> sides;
+    for (double side = size / (axes.steep * y);; side *= 2) {
+        sides.push_back(side);
+        sides.push_back(-side);
+        if (side > 2 * x) break;
+    }
+    std::ranges::sort(sides);
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+        strips.push_back({sides[i] - axes.x0, sides[i + 1] - axes.x0});
+    return strips;
+}
+
 }  // namespace
 
 FacePatches::FacePatches(const RadialDiagram& of, const FaceLoops& loops, const RadialCurves& curves,
@@ -195,9 +239,9 @@ SpaceSite FacePatches::site(EdgeId e, unsigned side) const {
     }
     for (const Sector& s : sectors_[face]) {
         const PatchCoordinates& at = s.patch.coordinates();
-        site.parts.push_back({at, at[0], {-s.reach(), s.reach()}, &s.patch});
-        site.starts.push_back(s.from);
+        site.parts.push_back({at, at[0], {-s.reach(), s.reach()}, &s.patch, s.range.inwards, s.other});
     }
+    for (const Sector& s : places(face)) site.starts.push_back(s.from());
     return site;
 }
 
@@ -222,7 +266,8 @@ RadialPatch FacePatches::patch_around(FaceId face, const CylinderTurns::Extent& 
 
 void FacePatches::add_around_cylinder(FaceId face) {
     const CylinderTurns::Extent e = turns_.extent(face);
-    if (const auto tip = tip_beside(face, e)) return add_around_tip(face, *tip);
+    if (const auto tip = tip_beside(problem_, diagram_.face_forms[face], turns_, e))
+        return add_around_tip(face, *tip);
     if (const auto axes = SkewAxes::of(problem_, diagram_.face_forms[face], e.y)) {
         skew_axes_.emplace(face, *axes);
         patches_[face] = RadialPatch(*axes);
@@ -238,104 +283,85 @@ void FacePatches::add_around_cylinder(FaceId face) {
     }
 }
 
-// On both sides of a tip, which the face may hold or others hide.
-std::optional<BisectorTip> FacePatches::tip_beside(FaceId face, const CylinderTurns::Extent& e) const {
-    for (const BisectorTip& tip : bisector_tips(problem_, diagram_.face_forms[face])) {
-        if (!(tip.y > e.lowest && tip.y < e.highest)) continue;
-        const double off = std::abs(std::remainder(e.middle() - turns_.angle(tip.u), 2 * pi));
-        if (e.is_closed || off <= 0.5 * e.width()) return tip;
-    }
-    return std::nullopt;
-}
-
-// No parameters about the base are good on both lines through a tip (radial_patch.hpp). About the axis of a
-// tube that pierces the base there are some for either half of its directions.
-void FacePatches::add_around_tip(FaceId face, const BisectorTip& tip) {
+// No parameters about the base are good on both lines through a tip (radial_patch.hpp). About the object's
+// axis there are some for either half of its directions. A face that holds both tips takes those about one:
+// in the other one v is the same all around, too.
+void FacePatches::add_around_tip(FaceId face, const BisectorTip& beside) {
     const FormId form = diagram_.face_forms[face];
-    if (is_vessel(object(face)))
-        throw UndecidedError("object " + to_string(problem_.sites[form].front()) +
-                             ": its face lies on both sides of where its bisector would have a tip, and has "
-                             "measures, but no patches");
     if (!tips_) tips_.emplace(RadialDiagram{problem_, diagram_}, loops_);
+    const std::span<const BisectorTip> held = tips(face);
+    const BisectorTip& tip = tips_beside_.emplace(face, held.empty() ? beside : held.front()).first->second;
     const ObjectAxis& axis = object_axes_.emplace(face, object(face)).first->second;
-    is_far_.emplace(face, tip.is_far);
-    patches_[face] = RadialPatch::around_tip(problem_, form, axis.x, tip.is_far);
+    patches_[face] = RadialPatch::around_tip(problem_, form, tip, axis.x);
     cut(face);
 }
 
 // ---- Sectors ----------------------------------------------------------------------------------------
 
 // Around a cylinder into two halves: those that patches are for, if they are for a half. About a vessel's
-// axis into three parts: where the base is centred on it the weight in the middle of a half is none.
+// axis over a sphere into three parts: where the base is centred on it the weight in the middle of a half is
+// none.
 void FacePatches::cut(FaceId face) {
     const std::optional<Vec3>& half = patches_[face].half();
     const auto axis = object_axes_.find(face);
+    const RadialDiagram of{problem_, diagram_};
+    if (const auto tip = tips_beside_.find(face); tip != tips_beside_.end())
+        return set_sectors(face, tip_sectors(of, diagram_.face_forms[face], tip->second, axis->second, turns_,
+                                             turns_.extent(face)));
     const bool is_about_base = axis == object_axes_.end();
-    const bool is_halved = is_about_base || is_far_.contains(face);
-    const std::size_t count = is_halved ? 2 : 3;
+    const std::size_t count = is_about_base ? 2 : 3;
     const auto vertices = [&] {
-        if (is_about_base) return turns_.of_vertices(face);
-        return ObjectTurns({problem_, diagram_}, loops_, axis->second, face).of_vertices();
+        return is_about_base ? turns_.of_vertices(face)
+                             : ObjectTurns(of, loops_, axis->second, face).of_vertices();
     };
-    const double start = half                          ? turns_.angle(*half) - 0.5 * pi
-                         : is_about_base || !is_halved ? clear_angle(vertices(), count)
-                                                       : axis->second.angle_of(Vec3::UnitY()) - 0.5 * pi,
+    const double start = half ? turns_.angle(*half) - 0.5 * pi : clear_angle(vertices(), count),
                  width = 2 * pi / static_cast<double>(count);
+    std::vector<SectorRange> all;
     for (std::size_t i = 0; i < count; ++i) {
         const double from = start + width * static_cast<double>(i);
-        sectors_[face].push_back(sector(face, from, from + width));
+        all.push_back({from, from + width});
     }
+    set_sectors(face, all);
 }
 
-// Strips lie along lines of the bisector, x = const. Where x is small the face may reach far along y and the
-// other way round, and a rectangle that holds both reaches far beyond: strips grow in powers of two from the
-// line in both axes' plane on, next to which the graph is no higher than the face. Nothing crosses the outer
-// sides.
 void FacePatches::suit_graph(FaceId face, const std::vector<std::vector<Vec3>>& points) {
-    constexpr double too_far = 16;  // of the face's size
     const auto found = skew_axes_.find(face);
     if (found == skew_axes_.end() || is_cut(face)) return;
-    const SkewAxes& axes = found->second;
-    double x = 0, y = 0, z = 0;
-    for (const std::vector<Vec3>& loop : points)
-        for (const Vec3& p : loop) {
-            const Vec2 at = patches_[face].parameters(p);
-            x = std::max(x, std::abs(axes.x0 + at.x()));
-            y = std::max(y, std::abs(axes.y0 + at.y()));
-            z = std::max(z, std::abs(axes.x.cross(axes.y).dot(p - axes.origin)));
-        }
-    // Output accuracy, in parts of the face: a graph that rounding moves by so much tells nothing.
-    constexpr double rounding = 0x1p-48, too_much = 0x1p-10;
-    if (axes.steep * std::max(x, y) * rounding > too_much) {
+    const std::optional<std::vector<SectorRange>> strips = strips_of(found->second, patches_[face], points);
+    if (strips)
+        set_sectors(face, *strips);
+    else
         change_and_cut(face);
-        return;
-    }
-    const double size = x + y + z;
-    if (!(axes.steep * x * y > too_far * size)) return;
-    std::vector<double> sides;
-    for (double side = size / (axes.steep * y);; side *= 2) {
-        sides.push_back(side);
-        sides.push_back(-side);
-        if (side > 2 * x) break;
-    }
-    std::ranges::sort(sides);
-    for (std::size_t i = 0; i + 1 < sides.size(); ++i)
-        sectors_[face].push_back(sector(face, sides[i] - axes.x0, sides[i + 1] - axes.x0));
 }
 
-Sector FacePatches::sector(FaceId face, double from, double to) const {
+void FacePatches::set_sectors(FaceId face, std::span<const SectorRange> all) {
+    std::vector<Sector> sectors, others;
+    for (const SectorRange& range : all) {
+        const auto place = static_cast<std::uint32_t>(sectors.size());
+        Sector& first = sectors.emplace_back(range, patch_of(face, range), place);
+        if (range.inwards.isZero(0)) continue;
+        first.other = static_cast<std::uint32_t>(all.size() + others.size());
+        const SectorRange beyond{range.from, range.to, !range.is_beyond, -range.inwards};
+        others.emplace_back(beyond, patch_of(face, beyond), place);
+    }
+    sectors.insert(sectors.end(), others.begin(), others.end());
+    sectors_[face] = std::move(sectors);
+}
+
+RadialPatch FacePatches::patch_of(FaceId face, const SectorRange& range) const {
+    const auto& [from, to, is_beyond, inwards] = range;
     const FormId form = diagram_.face_forms[face];
     if (const auto axes = skew_axes_.find(face); axes != skew_axes_.end())
-        return {from, to, RadialPatch(axes->second.moved(0.5 * (from + to)))};
+        return RadialPatch(axes->second.moved(0.5 * (from + to)));
     if (const auto axis = object_axes_.find(face); axis != object_axes_.end()) {
         const Vec3 middle = axis->second.direction(0.5 * (from + to));
-        if (const auto is_far = is_far_.find(face); is_far != is_far_.end())
-            return {from, to, RadialPatch::around_tip(problem_, form, middle, is_far->second)};
-        return {from, to, RadialPatch(problem_, form, middle, 0)};
+        if (const auto tip = tips_beside_.find(face); tip != tips_beside_.end())
+            return RadialPatch::around_tip(problem_, form, tip->second, middle, is_beyond);
+        return RadialPatch(problem_, form, middle, 0);
     }
     const Vec3 middle = turns_.direction(0.5 * (from + to));
     const double y = turns_.mean_height(face, from, to);
-    return {from, to, RadialPatch(problem_, form, middle, y, patches_[face].half().has_value())};
+    return RadialPatch(problem_, form, middle, y, patches_[face].half().has_value());
 }
 
 // Patches that are for a half each keep away from what lies at infinity.
@@ -347,19 +373,19 @@ void FacePatches::change_and_cut(FaceId face) {
 
 // Narrower sectors have smaller rectangles.
 bool FacePatches::narrow(FaceId face, const std::vector<bool>& is_too_wide) {
-    std::vector<Sector> finer;
-    for (std::size_t i = 0; i < sectors_[face].size(); ++i) {
-        const double from = sectors_[face][i].from, to = sectors_[face][i].to;
-        if (!is_too_wide[i]) {
-            finer.push_back(sectors_[face][i]);
+    std::vector<SectorRange> finer;
+    for (const Sector& s : places(face)) {
+        const bool is_wide = is_too_wide[s.place] || (s.other > 0 && is_too_wide[s.other]);
+        if (!is_wide) {
+            finer.push_back(s.range);
             continue;
         }
-        if (to - from < narrowest_sector) return false;
-        const double inside = std::lerp(from, to, off_middle);
-        finer.push_back(sector(face, from, inside));
-        finer.push_back(sector(face, inside, to));
+        if (s.width() < narrowest_sector) return false;
+        SectorRange first = s.range, second = s.range;
+        first.to = second.from = std::lerp(s.range.from, s.range.to, off_middle);
+        finer.insert(finer.end(), {first, second});
     }
-    sectors_[face] = std::move(finer);
+    set_sectors(face, finer);
     return true;
 }
 
@@ -369,9 +395,10 @@ std::uint32_t FacePatches::part_of(FaceId face, const Vec3& p, bool rises) const
     const std::vector<Sector>& all = sectors_[face];
     const double u = all.front().patch.parameters(p).x();
     const bool are_strips = all.front().patch.kind() == RadialPatch::Kind::Graph;
-    return sector_around(
-        all | std::views::transform(&Sector::from), are_strips ? 0.5 * u : std::atan(u),
+    const std::uint32_t at = sector_around(
+        places(face) | std::views::transform(&Sector::from), are_strips ? 0.5 * u : std::atan(u),
         [&](std::size_t i) { return std::abs(all[i].patch.parameters(p).x() + inwards) - all[i].reach(); });
+    return all[at].holds(p) ? at : all[at].other;
 }
 
 }  // namespace vcell::radial

@@ -1,9 +1,9 @@
 /// Which patches the faces over a sphere or a cylinder base have. Around a cylinder a face may turn further
 /// than a patch does: then the base is divided into sectors by generators, and each has a patch of its own.
 /// So may a face of a hollow tube or cone over a sphere around the vessel's axis, or hold a tip of the
-/// bisector there, and is divided about that. A face of a hollow sphere that leaves others little of all
-/// around has two halves (surface_halves.hpp). A face of a cylinder of the base's radius, whose patch is a
-/// graph, may have strips.
+/// bisector there, and is divided about that, as are all over a cylinder next to a tip. A face of a hollow
+/// sphere that leaves others little of all around has two halves (surface_halves.hpp). A face of a cylinder
+/// of the base's radius, whose patch is a graph, may have strips.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,14 @@
 
 #include "based_diagram.hpp"
 #include "cylinder_turns.hpp"
+#include "face_cut.hpp"
 #include "face_loops.hpp"
 #include "object_turns.hpp"
 #include "radial_curves.hpp"
 #include "radial_patch.hpp"
 #include "space_arc.hpp"
 #include "surface_halves.hpp"
+#include "tip_sectors.hpp"
 
 namespace vcell::radial {
 
@@ -29,17 +31,21 @@ namespace vcell::radial {
 /// a patch of its own. A strip of a graph lies between two lengths.
 class Sector {
 public:
-    Sector(double start, double end, const RadialPatch& of)
-        : from(start),
-          to(end),
+    Sector(const SectorRange& its, const RadialPatch& of, std::uint32_t at)
+        : range(its),
           patch(of),
-          reach_(of.kind() == RadialPatch::Kind::Graph ? 0.5 * (end - start)
-                                                       : std::tan(0.25 * (end - start))) {}
+          place(at),
+          reach_(of.kind() == RadialPatch::Kind::Graph ? 0.5 * width() : std::tan(0.25 * width())) {}
 
-    double from, to;
+    SectorRange range;
     RadialPatch patch;
+    std::uint32_t place;      ///< once around, or among strips
+    std::uint32_t other = 0;  ///< the other one, which comes after those that are first at their places
 
-    double width() const { return to - from; }
+    double from() const { return range.from; }
+    double width() const { return range.to - range.from; }
+    /// Is a point in it that lies between its sides? Where two are at one place one of them holds it.
+    bool holds(const Vec3& p) const { return !(range.inwards.dot(p) < 0); }
     /// u at its end, and -u at its start.
     double reach() const { return reach_; }
 
@@ -60,8 +66,20 @@ public:
     bool has_cuts() const {
         return !halves_.empty() || std::ranges::any_of(sectors_, [](const auto& s) { return !s.empty(); });
     }
-    /// The sectors of a face that is cut about an axis, once around.
+    /// The sectors of a face that is cut about an axis: once around, then those that share a place with one
+    /// of these.
     std::span<const Sector> sectors(FaceId face) const { return sectors_[face]; }
+    /// The first one at each place.
+    std::span<const Sector> places(FaceId face) const {
+        const std::span<const Sector> all = sectors_[face];
+        return all.first(all.size() -
+                         std::ranges::count_if(all, [](const Sector& s) { return s.other > 0; }));
+    }
+    std::vector<CutSector> cut_sectors(FaceId face) const {
+        std::vector<CutSector> all;
+        for (const Sector& s : sectors_[face]) all.push_back({s.reach(), s.place});
+        return all;
+    }
     /// Is it a face of an ellipsoid around the base?
     bool can_be_halved(FaceId face) const { return halvings_.contains(face); }
     /// The halves of a face that is cut across an axis; of others null.
@@ -75,7 +93,7 @@ public:
         return two != nullptr ? two->patch(i) : sectors_[face][i].patch;
     }
     std::size_t part_count(FaceId face) const { return halves(face) != nullptr ? 2 : sectors_[face].size(); }
-    /// The tips that lie inside a face, over a sphere.
+    /// The tips that lie inside a face that has patches about its object's axis.
     std::span<const BisectorTip> tips(FaceId face) const {
         return tips_ ? (*tips_)[face] : std::span<const BisectorTip>();
     }
@@ -117,11 +135,10 @@ private:
     RadialPatch patch_around(FaceId face, const CylinderTurns::Extent& e, bool wide) const;
     void add_about_object(FaceId face);
     void add_around_cylinder(FaceId face);
-    std::optional<BisectorTip> tip_beside(FaceId face, const CylinderTurns::Extent& e) const;
-    /// Throws UndecidedError for the face of a vessel.
-    void add_around_tip(FaceId face, const BisectorTip& tip);
+    void add_around_tip(FaceId face, const BisectorTip& beside);
     void cut(FaceId face);
-    Sector sector(FaceId face, double from, double to) const;
+    RadialPatch patch_of(FaceId face, const SectorRange& range) const;
+    void set_sectors(FaceId face, std::span<const SectorRange> all);
     void change_and_cut(FaceId face);
     bool narrow(FaceId face, const std::vector<bool>& is_too_wide);
 
@@ -136,10 +153,10 @@ private:
     std::map<FaceId, SurfaceHalves> halves_;    // over a sphere, of hollow spheres' faces
     std::map<FaceId, std::size_t> halvings_;    // how often they were looked for, of those that may have some
     std::map<FaceId, SkewAxes> skew_axes_;      // around a cylinder, of graphs that may be cut
-    std::map<FaceId, ObjectAxis> object_axes_;  // over a sphere, of hollow tubes' and cones' faces
-    std::map<FaceId, bool> is_far_;  // over a cylinder, of which of both tips such a face is beyond
-    std::optional<FaceTips> tips_;   // where there are such faces
-    IdVector<FaceId, bool> wide_;    // over a sphere: has the patch been changed?
+    std::map<FaceId, ObjectAxis> object_axes_;  // of faces that have patches about their object's axis
+    std::map<FaceId, BisectorTip> tips_beside_;  // over a cylinder, next to which such a face is
+    std::optional<FaceTips> tips_;               // where there are such faces
+    IdVector<FaceId, bool> wide_;                // over a sphere: has the patch been changed?
     IdVector<FormId, char> is_flat_;
 };
 

@@ -306,9 +306,7 @@ std::optional<std::vector<CutPart>> FaceSurfaces::cut_parts(FaceId face) {
         return halve_face(
             trims_.runs(face), [&](double angle, std::uint32_t half) { return two->at(angle, half); },
             seams_);
-    std::vector<double> reaches;
-    for (const Sector& s : patches_.sectors(face)) reaches.push_back(s.reach());
-    return cut_face(trims_.all_runs(face), reaches, seams_);
+    return cut_face(trims_.all_runs(face), patches_.cut_sectors(face), seams_);
 }
 
 // A generator's conic has v as a rational parameter for either sign of d, so where the signs differ on the

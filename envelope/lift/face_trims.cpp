@@ -32,16 +32,18 @@ std::vector<std::vector<BoundaryRun>> FaceTrims::runs(FaceId face) const {
 }
 
 // v is one and the same all along. The face lies above it with u to the right, or below it with u to the
-// left: between a vessel's tips, and beyond those of a tube that pierces the base.
+// left: between a vessel's tips, and beyond those of a tube that pierces the base. All sectors next to the
+// tip come together there.
 std::vector<std::vector<BoundaryRun>> FaceTrims::all_runs(FaceId face) const {
     std::vector<std::vector<BoundaryRun>> result = runs(face);
     const auto sectors = patches_.sectors(face);
+    const auto places = static_cast<std::uint32_t>(patches_.places(face).size());
     for (const BisectorTip& tip : patches_.tips(face)) {
         const bool is_below = tip.is_far == patches_.is_in_vessel(face);
         std::vector<BoundaryRun>& loop = result.emplace_back();
-        const auto count = static_cast<std::uint32_t>(sectors.size());
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t at = is_below ? count - 1 - i : i;
+        for (std::uint32_t i = 0; i < places; ++i) {
+            std::uint32_t at = is_below ? places - 1 - i : i;
+            if (!sectors[at].holds(tip.point())) at = sectors[at].other;
             const double v = sectors[at].patch.parameters(tip.point()).y(),
                          u = is_below ? -sectors[at].reach() : sectors[at].reach();
             BoundaryRun& run = loop.emplace_back(BoundaryRun{{}, at});

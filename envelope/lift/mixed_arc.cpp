@@ -551,9 +551,10 @@ std::vector<std::vector<BoundaryRun>> MixedArcs::runs(const FaceLoops& loops, Fa
 
 void MixedArcs::cut(const PlaneBaseProblem& problem, const FaceLoops& loops, FaceId face,
                     std::uint32_t& seams) {
-    std::vector<double> reaches;
-    for (const CylinderSector& s : (*sectors_)[face]) reaches.push_back(s.reach());
-    std::optional<std::vector<CutPart>> parts = cut_face(runs(loops, face), reaches, seams);
+    std::vector<CutSector> sectors;
+    for (const CylinderSector& s : (*sectors_)[face])
+        sectors.push_back({s.reach(), static_cast<std::uint32_t>(sectors.size())});
+    std::optional<std::vector<CutPart>> parts = cut_face(runs(loops, face), sectors, seams);
     if (!parts)
         throw UndecidedError("object " +
                              to_string(PlaneDiagram{problem, diagram_}.main_site(diagram_.face_forms[face])) +

@@ -216,22 +216,15 @@ void RadialPatch::set_about_axes(const RadialBaseProblem& problem, FormId form, 
     if (is_singular ? side * d.dot(middle) < 0 : d.y() < 0) d = -d;
     if (is_singular) half_ = side * across_y(d);
 
+    set_degree(2, 2, Terms::Product);
     const Vec3 x = across(Vec3::UnitY(), middle);
     set_axes(Kind::AboutBase, x, Vec3::UnitY().cross(x), Vec3::Zero());
-    set_between_axes(Vec3::UnitY(), d, a, delta);
-}
-
-// w = q.n + delta W, t = C W / (2 w) and y w = (start + v) w - C n.d' / (2 (1 + d_y)), y along b from the
-// origin.
-void RadialPatch::set_between_axes(const Vec3& b, const Vec3& d, const Vec3& point, double delta) {
-    set_degree(2, 2, Terms::Product);
-    const Vec3 a = point - origin_, near = a - a.dot(b) * b, d_across = d - d.dot(b) * b;
-    const double sine = d_across.norm(),
-                 scale = d.dot(b) > 0 ? 1 / (1 + d.dot(b)) : (1 - d.dot(b)) / (sine * sine);
-    along_ = scale * (d + b);
-    along_start_ = -along_.dot(point);
-    set_coordinates(PatchCoordinate::half_angle(origin_, axes_[0], axes_[1], 0));
-    const double start = a.dot(b) + scale * a.dot(d_across);
+    const double scale = d.y() > 0 ? 1 / (1 + d.y()) : (1 - d.y()) / (sine * sine);
+    along_ = scale * (d + Vec3::UnitY());
+    along_start_ = -along_.dot(a);
+    set_coordinates(PatchCoordinate::half_angle(origin_, x, axes_[1], 0));
+    // w = q.n + delta W, t = C W / (2 w) and y w = (start + v) w - C n.d' / (2 (1 + d_y)).
+    const double start = a.y() + scale * a.dot(across_y(d));
     const Polynomial half_C{0.5 * (near.norm() - delta) * (near.norm() + delta), near.dot(d),
                             0.5 * sine * sine};
     const auto normal_times = [&](const Vec3& p) -> Polynomial {
@@ -242,34 +235,14 @@ void RadialPatch::set_between_axes(const Vec3& b, const Vec3& d, const Vec3& poi
     w[0] += delta;
     w[2] += delta;
     const Polynomial turn = normal_times(d);
-    const Vector4d along_b = vector(b), from = vector(origin_) + weight;
-    add(w, one, from);
-    add(turn, linear, from);
-    add(w, {start, 1, 0}, along_b);
-    add(turn, {0, start, 1}, along_b);
-    add(turn, half_C, -scale * along_b);
+    const Vector4d y_axis = vector(Vec3::UnitY());
+    add(w, one, weight);
+    add(turn, linear, weight);
+    add(w, {start, 1, 0}, y_axis);
+    add(turn, {0, start, 1}, y_axis);
+    add(turn, half_C, -scale * y_axis);
     add(angle_cos, half_C, vector(axes_[0]));
     add(angle_sin, half_C, vector(axes_[1]));
-}
-
-// Both tubes exchange their roles, as v is one for all directions in a tip about its own axis only: points
-// are t - R0 + rho from the object's axis, and t is R0 - rho more. Of both signs of the base's axis that is
-// taken for which lines v = const that run into the tip are on the other half.
-RadialPatch RadialPatch::around_tip(const RadialBaseProblem& problem, FormId form, const Vec3& middle,
-                                    bool is_far) {
-    const auto& tube = std::get<Cylinder>(problem.objects[form]);
-    const double apart = problem.chart.radius - tube.radius;
-    const Vec3 b = tube.axis.normalized(), across = across_y(b);
-    // The foot of the common perpendicular.
-    const Vec3 o = tube.point - b * (across.dot(tube.point) / across.squaredNorm());
-    RadialPatch patch;
-    const Vec3 x = radial_patch_terms::across(b, middle);
-    patch.set_axes(Kind::AboutObject, x, x.cross(b), o);
-    const double side = is_far ? 1 : -1;
-    patch.set_between_axes(b, side * middle.y() < 0 ? Vec3(-Vec3::UnitY()) : Vec3(Vec3::UnitY()),
-                           {0, o.y(), 0}, apart);
-    patch.set_coordinates(PatchCoordinate::half_angle(o, x, patch.axes_[1], -apart));
-    return patch;
 }
 
 }  // namespace vcell

@@ -41,11 +41,7 @@
 ///
 /// *Tubes that pierce the base* have delta < 0 and bisectors with two tips on their axes, which they open
 /// from. Over a sphere base they are AboutObject in the same form, all around the axis, u = 0 in the
-/// direction from that to the face, in several patches: in a tip v is one and the same for all u. Over a
-/// cylinder base faces on both sides of a tip are AboutObject, too, with the roles of both tubes exchanged in
-/// what is said of cylinders below: |S| across the base's axis is t - delta at the distance t from the
-/// object's. v is the same, and constant in the tip. Two of the lines on which it is constant run into each
-/// tip, one for either sign of d, and a patch is for the half of all directions in which the other one lies.
+/// direction from that to the face, in several patches: in a tip v is one and the same for all u.
 ///
 /// *Vessels over a sphere base.* Ellipsoids are Stereographic, but about `middle`: that direction's opposite
 /// is the only one that a patch lacks. Their weights are positive all over, those of control points over a
@@ -91,12 +87,28 @@
 /// from where the base's axis comes out of the vessel to a tip; for either m they reach the same tip from the
 /// other side. A face beside such a line has the larger m on one half of the base and the other on the other
 /// half.
+///
+/// *Next to a tip over a cylinder base* none of these is good on both lines, and faces on both sides of it
+/// are AboutObject. With the vessel's axis a, e(u) across it, S and K the sine and cosine of half a cone's
+/// angle (0 and 1 in a tube), g = K a + S e along the wall and n = S a - K e its normal; of a tube that
+/// pierces the base, whose points lie beyond its surface, K = -1. From the tip o, rho away from the base in
+/// its direction d, points are o + l g + (t - rho) n, and with a direction b of the base's axis v = l - y:
+/// t^2 = |p|^2 - y^2 is linear in t and in l for constant v, and with c = a.b
+///
+///     S(u, v) = o + v ([S - d.a - v (K + c) / (2 rho)] e + [K + d.e + v (S + b.e) / (2 rho)] a) / w,
+///     w = 1 - S d.a - K c - S c v / rho + e.[(K - c) d + (d.a - S) b] + (K v / rho) b.e,
+///
+/// (2, 2). In the tip, v = 0, w is the square of a linear function of u: on one line through the tip v is
+/// constant, and (u, v) no coordinates. For the other b it is another line: a patch is for directions nearer
+/// to that. In a vessel the line ends where the base's axis comes out of the wall; from there another line
+/// goes on in the same half plane, on which v is constant for the other b (tip_sectors.hpp).
 #pragma once
 
 #include <array>
 #include <optional>
 #include <string_view>
 
+#include "../../primitives/bases/axial_terms.hpp"
 #include "../../primitives/bases/radial_base.hpp"
 #include "coordinate_surface.hpp"
 #include "skew_axes.hpp"
@@ -116,11 +128,11 @@ public:
     RadialPatch(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
                 bool wide = false);
     explicit RadialPatch(const SkewAxes& axes);
-    /// About the axis of a tube that pierces a cylinder base, beyond the tip that lies farther along it or
-    /// the other one. `middle`: a direction from it; for the half of directions that have its sign along the
-    /// base's axis.
-    static RadialPatch around_tip(const RadialBaseProblem& problem, FormId form, const Vec3& middle,
-                                  bool is_far);
+    /// Over a cylinder, about the axis of an object of which this is a tip. `middle`: a direction from that
+    /// axis; for directions around it that are nearer to one of tip_lines(). `is_beyond`: with the other
+    /// direction of the base's axis, for what lies beyond that line.
+    static RadialPatch around_tip(const RadialBaseProblem& problem, FormId form, const BisectorTip& tip,
+                                  const Vec3& middle, bool is_beyond = false);
     /// A cylinder's patch may be for half of a cylinder base only: n.half() >= 0 for its normals n.
     const std::optional<Vec3>& half() const { return half_; }
 
@@ -139,13 +151,26 @@ private:
     void set_in_vessel(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y);
     void set_about_axes(const RadialBaseProblem& problem, FormId form, const Vec3& middle, double y,
                         bool wide);
-    /// About the axis through the origin along the unit vector b, of points that are so far from it and
-    /// `delta` more from that through `point` along d.
-    void set_between_axes(const Vec3& b, const Vec3& d, const Vec3& point, double delta);
     /// Adds half of `power` times n of stereographic coordinates about z.
     void add_direction(double power, const Vec3& z);
 
     std::optional<Vec3> half_;
 };
+
+/// A line of the bisector from a tip over a cylinder on which v of around_tip() is one and the same, for one
+/// direction of the base's axis.
+struct TipLine {
+    Vec3 across;  ///< the unit vector from the object's axis to it
+    /// Where it runs to the base's axis, coming out of a wall there, from which on another line lies in the
+    /// same half plane, on which v is so for the other direction. The product of a point with `inwards` is
+    /// positive on the line from the tip, and negative on the one beyond, which lies over the base's normal
+    /// `normal`.
+    struct Beyond {
+        Vec3 inwards, normal;
+    };
+    std::optional<Beyond> beyond{};
+};
+/// For the y axis and its opposite.
+std::array<TipLine, 2> tip_lines(const RadialBaseProblem& problem, FormId form, const BisectorTip& tip);
 
 }  // namespace vcell

@@ -30,6 +30,12 @@ struct SpacePart {
     std::array<double, 2> range{-std::numeric_limits<double>::infinity(),
                                 std::numeric_limits<double>::infinity()};
     const RadialPatch* surface = nullptr;  ///< with these coordinates, of polynomials (P, w)(u, v)
+    /// Of one of two parts between the same seams: a point is in it if its product with this is positive.
+    Vec3 side = Vec3::Zero();
+    std::uint32_t other = 0;  ///< the other one, of the first of both, before which no part is such a one
+
+    /// Pre: the point lies between its seams.
+    bool holds(const Vec3& p) const { return !(side.dot(p) < 0); }
 };
 
 /// What lies on one side of an edge, canonical.
@@ -37,9 +43,9 @@ struct SpaceSite {
     Object object;
     bool is_wall = false;  ///< a Plane with outward normal that bounds the cell: a side of the box, an end
     std::vector<SpacePart> parts{};  ///< none: no trim on this side
-    /// Where parts begin, ascending: angles, if they are sectors once around an axis and `across` is the
-    /// tangent of half the angle from a sector's middle; lengths, if they are strips and `across` is one; of
-    /// others none.
+    /// Where the first parts begin, ascending: angles, if they are sectors once around an axis and `across`
+    /// is the tangent of half the angle from a sector's middle; lengths, if they are strips and `across` is
+    /// one; of others none. After these come the others of two.
     std::vector<double> starts{};
     std::optional<double> power = std::nullopt;  ///< of a ball around a ball (ball_power())
 };

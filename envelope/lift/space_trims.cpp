@@ -109,6 +109,7 @@ Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
             const bool are_strips = c.divisor.head<4>().isZero(0);
             const double half = are_strips ? 0.5 * c(X) : std::atan2(at(c.numerator, X), at(c.divisor, X));
             best += sector_around(starts, half, [&](std::size_t i) { return outside(parts[i]); });
+            if (!best->holds(X.head<3>())) best = parts.begin() + best->other;
         } else {
             best = std::ranges::min_element(parts, {}, outside);
         }
@@ -116,7 +117,8 @@ Trims place_trims(const SpaceArc& arc, double tolerance, Points& points) {
         if (trims.seam && outside(*best) > -2 * seam_inwards) {
             // Just beside a seam the part may not be the one that the span leaves the seam for.
             const auto holds = [&](const SpacePart& part) {
-                return outside(part) <= 2 * seam_inwards && !crossed_seam(part, points, tolerance);
+                return outside(part) <= 2 * seam_inwards && part.holds(X.head<3>()) &&
+                       !crossed_seam(part, points, tolerance);
             };
             if (const auto other = std::ranges::find_if(parts, holds); other != parts.end()) {
                 best = other;

@@ -84,8 +84,8 @@ std::vector<BisectorTip> bisector_tips(const RadialBaseProblem& problem, FormId 
         const Vec3 out = q + h * a;
         // A cone's may be behind its apex, from which a wall is no farther than it is less than nothing away.
         if (std::isfinite(far) && far > 0 && out.norm() > 0)
-            tips.push_back(
-                {(1 - along) * (point.y() + h * axis.y()), far, out.normalized(), h == (*both)[1]});
+            tips.push_back({(1 - along) * (point.y() + h * axis.y()), far, out.normalized(),
+                            a.dot(out) > sine * out.norm()});
     }
     return tips;
 }

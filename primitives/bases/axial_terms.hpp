@@ -35,9 +35,9 @@ struct AxialTerms {
 /// Where the axis of a hollow tube or cone is as far from the base as from its own wall, or that of a tube
 /// that pierces the base as far within it as the tube is thick, the bisector comes to a tip: in the direction
 /// u, `reach` away from the base's centre or axis; over a cylinder, over the axis's point at y, canonical.
-/// There the distance along the base's normals is continuous, but has no derivative. `is_far`: it is the one
-/// of both that lies farther along the object's own axis. None for other objects, and tubes along the base.
-/// To some roundings. Pre: over a sphere or a cylinder.
+/// There the distance along the base's normals is continuous, but has no derivative. `is_far`: as one goes on
+/// along the object's own axis the base falls behind its wall: of two tips it is so in the farther one. None
+/// for other objects, and tubes along the base. To some roundings. Pre: over a sphere or a cylinder.
 struct BisectorTip {
     double y, reach;
     Vec3 u;

@@ -40,8 +40,8 @@ TEST_CASE("face cut: a loop of one run with many corners is a part, and one the 
     const std::vector<Vec2> outer{{-0.5, 0}, {0.5, 0}, {0.5, 2}, {0, 1.5}, {-0.5, 2}, {-0.5, 0}},
         hole{{-0.1, 0.5}, {0, 1}, {0.1, 0.5}, {-0.1, 0.5}};
     std::uint32_t seams = 0;
-    const std::vector reaches{1.0, 1.0};
-    const auto parts = cut_face({{run(1, outer)}, {run(1, hole)}}, reaches, seams);
+    const std::vector<CutSector> sectors{{1, 0}, {1, 1}};
+    const auto parts = cut_face({{run(1, outer)}, {run(1, hole)}}, sectors, seams);
     REQUIRE(parts);
     REQUIRE(parts->size() == 1);
     CHECK(seams == 0);
@@ -51,7 +51,7 @@ TEST_CASE("face cut: a loop of one run with many corners is a part, and one the 
     CHECK(std::abs(area(parts->front().loops[1]) + 0.05) < 1e-15);
     // A hole that no part holds.
     const std::vector<Vec2> beyond{{-0.1, 1.8}, {0, 2.3}, {0.1, 1.8}, {-0.1, 1.8}};
-    CHECK_FALSE(cut_face({{run(1, outer)}, {run(1, beyond)}}, reaches, seams));
+    CHECK_FALSE(cut_face({{run(1, outer)}, {run(1, beyond)}}, sectors, seams));
 }
 
 TEST_CASE("face cut: a seam divides a loop with many corners") {
@@ -59,8 +59,8 @@ TEST_CASE("face cut: a seam divides a loop with many corners") {
     const std::vector<Vec2> first{{1, 3}, {0.2, 2.5}, {-0.5, 3}, {-0.5, 1}, {0.3, 1.25}, {1, 1}},
         second{{-1, 1}, {-0.2, 0.5}, {0.5, 1}, {0.5, 3}, {-1, 3}};
     std::uint32_t seams = 0;
-    const std::vector reaches{1.0, 1.0, 1.0};
-    const auto parts = cut_face({{run(0, first), run(1, second)}}, reaches, seams);
+    const std::vector<CutSector> sectors{{1, 0}, {1, 1}, {1, 2}};
+    const auto parts = cut_face({{run(0, first), run(1, second)}}, sectors, seams);
     REQUIRE(parts);
     REQUIRE(parts->size() == 2);
     CHECK(seams == 1);
@@ -71,6 +71,36 @@ TEST_CASE("face cut: a seam divides a loop with many corners") {
         sum += area(part.loops.front());
     }
     CHECK(std::abs(sum - (3 - 0.375 - 0.1875 + 3 + 0.375)) < 1e-14);
+}
+
+// A face with two arms into the same angles, each with heights of its own there, from the sector before or
+// from the one beyond: heights along the seam are those of that.
+TEST_CASE("face cut: two sectors at one place have a part of the face each") {
+    const std::vector<CutSector> sectors{{1, 0}, {1, 1}, {1, 2}, {1, 1}};
+    for (const bool is_before : {true, false}) {
+        const std::uint32_t body = is_before ? 0 : 2;
+        std::vector<BoundaryRun> loop{run(body, {{1, 5}, {-0.5, 5}, {-0.5, 0}, {1, 0}}),
+                                      run(1, {{-1, 7}, {0.5, 7}, {0.5, 8}, {-1, 8}}),
+                                      run(body, {{1, 1}, {0.5, 1}, {0.5, 4}, {1, 4}}),
+                                      run(3, {{-1, 0.2}, {0.5, 0.2}, {0.5, 0.4}, {-1, 0.4}})};
+        if (!is_before) {
+            std::ranges::reverse(loop);
+            for (BoundaryRun& r : loop) {
+                std::ranges::reverse(r.trim.curve.points);
+                for (auto& p : r.trim.curve.points) p.x() = -p.x();
+            }
+        }
+        std::uint32_t seams = 0;
+        const auto parts = cut_face({loop}, sectors, seams);
+        REQUIRE(parts);
+        REQUIRE(parts->size() == 3);
+        CHECK(seams == 2);
+        for (const CutPart& part : *parts) {
+            REQUIRE(part.loops.size() == 1);
+            const double expected = part.within == body ? 6 : part.within == 1 ? 1.5 : 0.3;
+            CHECK(std::abs(area(part.loops.front()) - expected) < 1e-15);
+        }
+    }
 }
 
 TEST_CASE("sectors around: the one found is the one a point is least outside of, of all") {

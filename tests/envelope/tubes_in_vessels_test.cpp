@@ -458,8 +458,6 @@ TEST_CASE("tubes in vessels: a tube that comes out of a sphere has all of its ce
 // derivative.
 TEST_CASE("tubes in vessels: tips of the bisector across a tube are measured") {
     const double R = 1, R0 = 0.125, D = R + R0;
-    CellOptions options;
-    options.patches = false;
     for (const double half : {0.5, 0.875}) {
         CAPTURE(half);
         double volume = 0;
@@ -474,21 +472,18 @@ TEST_CASE("tubes in vessels: tips of the bisector across a tube are measured") {
         volume *= 8 * half * 0.5 * pi / parts / parts;
         const Scene scene = scene_of({{0, 0, 0}, {1, 0, 0}, R0}, {HollowCylinder{{0, 0, 0}, {0, 0, 1}, R}},
                                      {{-half, -2, -1.5}, {half, 2, 1.5}});
-        const Cell cell = voronoi_cell(scene, options);
+        const Cell cell = voronoi_cell(scene);
         const Measures& m = cell.measures;
         CHECK(m.volume == doctest::Approx(volume).epsilon(1e-5));
         CHECK(std::abs(m.volume - volume) <= m.volume_error + 1e-5 * volume);
         CHECK(m.volume_error < 1e-4);
         CHECK(m.max_clearance == doctest::Approx(R).epsilon(1e-12));
-        CHECK_THROWS_AS(voronoi_cell(scene), UndecidedError);
     }
 }
 
 TEST_CASE("tubes in vessels: random tubes across a cone or a tube, with tips, against distances") {
     std::mt19937_64 rng(test_seed());
     std::uniform_real_distribution<double> part(-1, 1);
-    CellOptions options;
-    options.patches = false;
     int decided = 0;
     for (int round = 0; round < 4 * rounds(); ++round) {
         CAPTURE(round);
@@ -501,7 +496,7 @@ TEST_CASE("tubes in vessels: random tubes across a cone or a tube, with tips, ag
         // An edge may come too near to a tip.
         std::optional<Cell> cell;
         try {
-            cell = voronoi_cell(scene, options);
+            cell = voronoi_cell(scene);
         } catch (const UndecidedError& e) {
             CHECK(std::string(e.what()).find("equally near along a curve") != std::string::npos);
             continue;
@@ -512,14 +507,11 @@ TEST_CASE("tubes in vessels: random tubes across a cone or a tube, with tips, ag
     CHECK(2 * decided > 4 * rounds());
 }
 
-TEST_CASE("tubes in vessels: a face about a hidden tip has measures, but no patches") {
+TEST_CASE("tubes in vessels: a face about a hidden tip is measured") {
     const Scene scene =
         scene_of({{0, 0.0625, 0}, {1, 0.125, 0}, 0.125}, {HollowCylinder{{0, 0, 0}, {0, 0, 1}, 1}},
                  {{-0.75, -2, -0.5}, {0.75, 2, 0.5}});
-    CHECK_THROWS_AS(voronoi_cell(scene), UndecidedError);
-    CellOptions options;
-    options.patches = false;
-    const Cell cell = voronoi_cell(scene, options);
+    const Cell cell = voronoi_cell(scene);
     CHECK(cell.measures.volume == doctest::Approx(sampled_cell(scene, 40)).epsilon(6e-3));
 }
 
