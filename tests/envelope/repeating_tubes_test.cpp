@@ -86,13 +86,19 @@ TEST_CASE("repeating tubes: random ones among balls fill the box, in any box") {
     SUBCASE("leaning") { box.tilt = {0.5, -0.25, 0.75}; }
     SUBCASE("along one axis") { box.periodic = {false, true, false}; }
     SUBCASE("along two axes") { box.periodic = {true, false, true}; }
+    int refused = 0;
     for (int round = 0; round < rounds(); ++round) {
         const DiagramScene scene = random_scene(rng, box);
         CAPTURE(round);
         const VoronoiDiagram diagram = voronoi_diagram(scene);
+        if (std::ranges::any_of(diagram.cells, touches_from_within)) {
+            ++refused;
+            continue;
+        }
         check_filled(scene, diagram);
         check_sampled(scene, diagram, rng);
     }
+    CHECK(8 * refused <= rounds());
 }
 
 TEST_CASE("repeating tubes: their cells are those among 27 copies") {
