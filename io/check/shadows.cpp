@@ -19,6 +19,17 @@ struct Height {
     T t, steepness;
 };
 
+/// sqrt(beta^2 + alpha^2 C) of a tube, or that of a cone without its factor K, as one of a sum of squares, of
+/// which little is lost next to the bisector's tips, where it vanishes. With a = d u, `leans` = a - S, L =
+/// -delta and S = 0, K = 1 of a tube, m = way - (L / (1 - S a)) u', and K^2 |u'|^2 = (1 - S a)^2 - (a - S)^2:
+///
+///     beta^2 - (a - S)^2 C = K^2 (K^2 (way u')^2 + (a - S)^2 |way|^2).
+template <class T>
+T root_by_tip(const std::array<T, 2>& way, const std::array<T, 2>& across, const T& cosine, const T& leans) {
+    return sqrt(square(cosine * (way[0] * across[0] + way[1] * across[1])) +
+                square(leans) * (square(way[0]) + square(way[1])));
+}
+
 /// The distance at which the ray from the foot f along u meets the bisector.
 template <class T>
 Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u) {
@@ -45,10 +56,14 @@ Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u)
             const T L = equation.sine * (dot(equation.d, f) - T(dot(equation.d, equation.c))) +
                         T(equation.radius),
                     turned = T(1.0) - equation.sine * along;
+            const std::array<T, 2> across{dot(equation.across[0], u), dot(equation.across[1], u)};
             const T C = square(L) - K2 * (square(m[0]) + square(m[1]));
-            const T beta =
-                L * turned + K2 * (dot(equation.across[0], u) * m[0] + dot(equation.across[1], u) * m[1]);
-            const T root = sqrt(square(beta) - square(along - T(equation.sine)) * C), t = C / (beta + root);
+            const T beta = L * turned + K2 * (across[0] * m[0] + across[1] * m[1]);
+            const T share = L / turned;
+            const T root =
+                equation.cosine * root_by_tip<T>({m[0] + share * across[0], m[1] + share * across[1]}, across,
+                                                 T(equation.cosine), along - T(equation.sine));
+            const T t = C / (beta + root);
             return {t, sqrt(2.0 * (L - t * turned) / root)};
         }
         default: {
@@ -56,10 +71,12 @@ Height<T> height(const Equation& equation, const Triad<T>& f, const Triad<T>& u)
             const std::array<T, 2> m{dot(equation.across[0], f) - T(equation.across_c[0]),
                                      dot(equation.across[1], f) - T(equation.across_c[1])};
             const T alpha = dot(equation.d, u);
+            const std::array<T, 2> across{dot(equation.across[0], u), dot(equation.across[1], u)};
             const T C = square(m[0]) + square(m[1]) - T(square(equation.delta));
-            const T beta =
-                T(equation.delta) - dot(equation.across[0], u) * m[0] - dot(equation.across[1], u) * m[1];
-            const T root = sqrt(square(beta) + square(alpha) * C);
+            const T beta = T(equation.delta) - across[0] * m[0] - across[1] * m[1];
+            const T root =
+                root_by_tip<T>({m[0] - equation.delta * across[0], m[1] - equation.delta * across[1]}, across,
+                               T(1.0), alpha);
             if (equation.is_hollow) {
                 const T t = C / (beta - root);
                 return {t, sqrt(-2.0 * (t + T(equation.delta)) / root)};
