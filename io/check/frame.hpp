@@ -30,6 +30,7 @@ public:
     Interval length(double x) const;
     double unit() const { return unit_; }
     Interval radius() const { return radius_; }
+    bool is_about_axis() const { return is_about_axis_; }  ///< of a cylinder
 
 private:
     Triad<Interval> turned(const Triad<Interval>& d) const;
@@ -38,6 +39,7 @@ private:
     std::optional<std::array<Triad<Interval>, 3>> rows_;  // none: the world's directions
     double unit_;                                         // a power of two
     Interval radius_;
+    bool is_about_axis_ = false;
 };
 
 /// A point of a rational curve in homogeneous coordinates relative to a nearby origin (w (x - origin), w),

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "../../core/errors.hpp"
@@ -118,4 +119,20 @@ TEST_CASE("rods in vessels: random rods among balls and rods are proved") {
     CHECK(3 * proved >= count);
     CHECK(32 * open <= count);
     CHECK(32 * undecided <= count);
+}
+
+// Where a line runs into a side of the box obliquely its cell ends in edges 1e-7 around it, of which a
+// rounding is much of a turn; in the first scene the wall comes down to the line there, too.
+TEST_CASE("rods in vessels: what lies between edges next to a line is told from these") {
+    const HollowSphere wall{{0, 0, 0}, 6};
+    const HollowCylinder pipe{{0, 0, 0}, {-1, 2, 1}, 3.5};
+    const Plane floor{{0, 0, 2}, {0, 0, 1}};
+    const Sphere dot{{0, 0, -1}, 0};
+    const auto cell = [](const Vec3& axis, std::vector<Object> objects) {
+        return voronoi_cell(scene_in_cube(Cylinder{{0, 0, 0}, axis, 0}, std::move(objects), 4));
+    };
+    check_holds(cell({1, 2, 2}, {wall}));
+    check_holds(cell({-2, -1, 1}, {HollowSphere{{1, -2, -1}, 6}, floor}));
+    check_holds(cell({-1, 2, 1}, {pipe, dot, floor}));
+    check_holds(cell({-1, 2, 1}, {dot, Plane{{0, 0, -1}, {1, 0, 2}}}));
 }
